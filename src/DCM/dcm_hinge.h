@@ -1,0 +1,89 @@
+// LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
+
+// Bending of the cortex: a hinge on every edge between two triangles (S1 eq 4).
+// Units: lengths um, forces nN, energies nN um, angles rad.
+//
+// Atom order: triangle 1 = (x2, x3, x1) and triangle 2 = (x3, x2, x4), both counter-clockwise
+// seen from outside; x2-x3 is the hinge edge. The angle is zero for a flat hinge, positive where
+// the surface is convex.
+//
+// S1 turns the moment into forces M/l n on the outer nodes and only asks that all four forces sum
+// to zero; an equal split on the hinge nodes then leaves a net torque. Here the forces are the
+// exact gradient of the energy, so that net force and net torque both vanish.
+
+#ifndef DCM_HINGE_H
+#define DCM_HINGE_H
+
+#include "dcm_vector.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dcm {
+
+/// Forces on the four atoms of a hinge (nN), its angle (rad) and its energy (nN um).
+struct Hinge {
+  Vec3 f1, f2, f3, f4;
+  double theta, energy;
+};
+
+/// A triangle whose height over the hinge edge is below this fraction of its longest side counts
+/// as degenerate: round-off then decides its normal.
+constexpr double HINGE_SLIVER = 1.0e-10;
+
+/// Signed angle between the normals of the two triangles, rad, in (-pi, pi], > 0 where convex.
+/// A triangle of exactly zero area gives 0; the result is never NaN for finite input.
+inline double hinge_angle(const Vec3 &x1, const Vec3 &x2, const Vec3 &x3, const Vec3 &x4)
+{
+  const Vec3 e = x3 - x2, a = x1 - x2, b = x4 - x2;
+  const Vec3 m1 = e.cross(a), m2 = b.cross(e);
+  // (m1 x m2).e = -e^2 (a.m2), because m2 is normal to e
+  return std::atan2(-e.norm() * a.dot(m2), m1.dot(m2));
+}
+
+/// Energy U = kb (1 - cos(theta - theta0)) and its exact negative gradient (moment: S1 eq 4).
+/// kb in nN um, theta0 in rad. If one of the triangles is degenerate (see HINGE_SLIVER) the angle
+/// is undefined: forces and energy are zero and theta is theta0, so the result stays finite.
+inline Hinge hinge(double kb, double theta0, const Vec3 &x1, const Vec3 &x2, const Vec3 &x3,
+                   const Vec3 &x4)
+{
+  const Vec3 e = x3 - x2, a = x1 - x2, b = x4 - x2;
+  const Vec3 m1 = e.cross(a), m2 = b.cross(e);
+  const double ee = e.squaredNorm(), aa = a.squaredNorm(), bb = b.squaredNorm();
+  const double ae = a.dot(e), be = b.dot(e);
+  const double mm1 = m1.squaredNorm(), mm2 = m2.squaredNorm();
+
+  Hinge h;
+  // squared longest sides; |m| = edge length times height over it. Written so that NaN passes on.
+  const double longest1 = std::max({ee, aa, ee + aa - 2.0 * ae});
+  const double longest2 = std::max({ee, bb, ee + bb - 2.0 * be});
+  constexpr double tiny = HINGE_SLIVER * HINGE_SLIVER;
+  if (mm1 <= tiny * ee * longest1 || mm2 <= tiny * ee * longest2) {
+    h.f1 = h.f2 = h.f3 = h.f4 = Vec3::Zero();
+    h.theta = theta0;
+    h.energy = 0.0;
+    return h;
+  }
+
+  const double l = std::sqrt(ee);
+  h.theta = std::atan2(-l * a.dot(m2), m1.dot(m2));
+
+  // half angles: 1 - cos loses all digits for a nearly relaxed hinge, 2 sin^2 does not
+  const double half = 0.5 * (h.theta - theta0);
+  const double s = std::sin(half), c = std::cos(half);
+  h.energy = 2.0 * kb * s * s;
+  const double moment = 2.0 * kb * s * c;
+
+  // dtheta/dx1 = -n1/height1; the opposite force acts at the foot of the height on the edge,
+  // shared between x2 and x3 by the lever rule: this is what makes the torque vanish
+  h.f1 = (moment * l / mm1) * m1;
+  h.f4 = (moment * l / mm2) * m2;
+  const double t1 = ae / ee, t4 = be / ee;
+  h.f3 = -t1 * h.f1 - t4 * h.f4;
+  h.f2 = (t1 - 1.0) * h.f1 + (t4 - 1.0) * h.f4;
+  return h;
+}
+
+}    // namespace dcm
+
+#endif
