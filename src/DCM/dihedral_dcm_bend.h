@@ -1,0 +1,68 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef DIHEDRAL_CLASS
+// clang-format off
+DihedralStyle(dcm/bend,DihedralDCMBend);
+// clang-format on
+#else
+
+#ifndef LMP_DIHEDRAL_DCM_BEND_H
+#define LMP_DIHEDRAL_DCM_BEND_H
+
+#include "dihedral.h"
+
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Bending of the cortex (S1 eqs 4-5), one hinge per mesh edge. Atoms: 2 and 3 are the edge, 1 and 4
+// the opposite corners of its triangles (2,3,1) and (3,2,4), both counter-clockwise from outside.
+// With `rest mesh` each hinge has its own rest angle, the state DCMAtoms::theta0 of its slot, which
+// others may change at any time; one without takes its angle at the first step that sees it.
+
+class DihedralDCMBend : public Dihedral {
+ public:
+  DihedralDCMBend(class LAMMPS *);
+  ~DihedralDCMBend() override;
+  void compute(int, int) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  void write_restart(FILE *) override;
+  void read_restart(FILE *) override;
+  void write_data(FILE *) override;
+  double memory_usage() override;
+
+  double stiffness(int type) const { return coefs[type].kb; }      // energy
+  bool rest_angles(int type) const { return coefs[type].mesh; }    // rest mesh: own angles count
+
+ private:
+  struct Coef {
+    double E = 0.0, h = 0.0, nu = 0.0;
+    int mesh = 0;       // int: written to restart files
+    double kb = 0.0;    // from E, h and nu
+    std::string name;
+  };
+  std::vector<Coef> coefs;    // [1..ndihedraltypes]
+
+  struct DCMAtoms *data;
+  std::vector<int> slot;    // per entry of neighbor->dihedrallist: slot of its second atom
+  bigint lastcall, lastncalls;
+
+  void allocate();
+  void derive(Coef &);
+  void match_slots();
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

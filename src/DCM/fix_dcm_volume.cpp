@@ -1,0 +1,262 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "fix_dcm_volume.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_compat.h"
+#include "dcm_curvature.h"
+#include "dcm_parameters.h"
+#include "dcm_volume.h"
+#include "domain.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+static const char STYLE[] = "Fix dcm/volume";
+static constexpr int NSUM = 7;    // sums per node of the Voronoi form
+
+/* ----------------------------------------------------------------------
+   fix ID group dcm/volume FILE name1..nameN [K_V v] [form gradient|voronoi]
+------------------------------------------------------------------------- */
+
+FixDCMVolume::FixDCMVolume(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), cell(nullptr), voronoi(false), energy(0.0), mean(0.0), lowest(0.0),
+    highest(0.0)
+{
+  AtomVecDCM::require(lmp, STYLE);
+
+  DCMParameters parameters(lmp, STYLE);
+  int iarg = 3 + parameters.parse(narg - 3, arg + 3, atom->ntypes);
+  while (iarg < narg) {
+    const int used = parameters.parse_keyword(narg - iarg, arg + iarg, {"K_V"});
+    if (used) {
+      iarg += used;
+    } else if (strcmp(arg[iarg], "form") == 0) {
+      const char *form = iarg + 1 < narg ? arg[iarg + 1] : "missing";
+      voronoi = strcmp(form, "voronoi") == 0;
+      if (!voronoi && strcmp(form, "gradient") != 0)
+        error->all(FLERR, "{}: form must be gradient or voronoi, not {}", STYLE, form);
+      iarg += 2;
+    } else {
+      error->all(FLERR, "{}: unknown keyword {}; known: K_V form", STYLE, arg[iarg]);
+    }
+  }
+  K_V.assign(atom->ntypes + 1, -1.0);
+  for (int i = 1; i <= atom->ntypes; i++)
+    if (parameters.used(i)) K_V[i] = parameters.get(i, "K_V", DCMParameters::POSITIVE);
+
+  scalar_flag = 1;
+  extscalar = 1;
+  vector_flag = 1;
+  size_vector = 3;
+  extvector = 0;
+  global_freq = 1;
+  energy_global_flag = 1;
+  virial_global_flag = virial_peratom_flag = 1;
+  thermo_energy = thermo_virial = 1;
+  if (voronoi) comm_reverse = NSUM;
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixDCMVolume::setmask()
+{
+  return PRE_REVERSE;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMVolume::init()
+{
+  cell = FixDCMCell::require(lmp, STYLE);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMVolume::setup_pre_reverse(int eflag, int vflag)
+{
+  pre_reverse(eflag, vflag);
+}
+
+/* ----------------------------------------------------------------------
+   forces on ghost vertices too: added before they are summed, and after the pair
+   style has summed its virial, in which one face's unbalanced force has no place
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::pre_reverse(int /*eflag*/, int vflag)
+{
+  v_init(vflag);
+  cell_pressures();
+  if (voronoi)
+    voronoi_forces();
+  else
+    gradient_forces();
+}
+
+/* ----------------------------------------------------------------------
+   all ranks hold the same cells and find the same errors
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::cell_pressures()
+{
+  energy = mean = 0.0;
+  lowest = highest = 0.0;
+  int n = 0;
+  pressure.assign(cell->cells.size(), 0.0);
+  for (size_t c = 0; c < cell->cells.size(); c++) {
+    FixDCMCell::Cell &it = cell->cells[c];
+    const double K = K_V[it.type];
+    if (K < 0.0 || !(it.mask & groupbit)) continue;
+    if (!(it.volume > 0.0) || !std::isfinite(it.volume) || !(it.volume0 > 0.0))
+      error->all(
+          FLERR,
+          "{}: cell {} has volume {} (rest volume {}) at step {}: it is inverted, or "
+          "its coordinates are not finite; reduce the time step, or check the forces on this "
+          "cell and its start shape",
+          STYLE, it.molecule, it.volume, it.volume0, update->ntimestep);
+    const double p = dcm::pressure(K, it.volume, it.volume0);
+    pressure[c] = it.pressure = p;
+    energy += dcm::pressure_energy(K, it.volume, it.volume0);
+    mean += p;
+    lowest = n ? std::min(lowest, p) : p;
+    highest = n ? std::max(highest, p) : p;
+    n++;
+  }
+  if (n) mean /= n;
+}
+
+/* ----------------------------------------------------------------------
+   virial of a force on a vertex, about its cell's center: independent of the
+   center because the forces on a cell sum to zero
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::tally(int i, const double *xi, const double *center, const double *fi)
+{
+  double d[3] = {xi[0] - center[0], xi[1] - center[1], xi[2] - center[2]};
+  dcm_minimum_image(domain, d[0], d[1], d[2]);
+  double v[6] = {d[0] * fi[0], d[1] * fi[1], d[2] * fi[2],
+                 d[0] * fi[1], d[0] * fi[2], d[1] * fi[2]};
+  v_tally(i, v);
+}
+
+/* ----------------------------------------------------------------------
+   p dV/dr: a third of p times the area vector of each face
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::gradient_forces()
+{
+  double **x = atom->x;
+  double **f = atom->f;
+
+  for (int n = 0; n < cell->nowned; n++) {
+    const FixDCMCell::Face &face = cell->faces[n];
+    const double p = face.cell < 0 ? 0.0 : pressure[face.cell];
+    if (p == 0.0) continue;
+    const int *v = face.v;
+    const dcm::Vec3 third =
+        dcm::face_pressure_force(p, dcm::vec(x[v[0]]), dcm::vec(x[v[1]]), dcm::vec(x[v[2]]));
+    for (int k = 0; k < 3; k++) dcm::vec(f[v[k]]) += third;
+    if (evflag)
+      for (int k = 0; k < 3; k++) tally(face.atom, x[v[k]], cell->cells[face.cell].x, third.data());
+  }
+}
+
+/* ----------------------------------------------------------------------
+   p S N: mixed Voronoi area and outward curvature direction of each node
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::voronoi_forces()
+{
+  double **x = atom->x;
+  double **f = atom->f;
+
+  node.assign((size_t) NSUM * (atom->nlocal + atom->nghost), 0.0);
+  for (int n = 0; n < cell->nowned; n++) {
+    const FixDCMCell::Face &face = cell->faces[n];
+    if (face.cell < 0 || pressure[face.cell] == 0.0) continue;
+    const int *v = face.v;
+    const dcm::FaceCurvature part =
+        dcm::face_curvature_parts(dcm::vec(x[v[0]]), dcm::vec(x[v[1]]), dcm::vec(x[v[2]]));
+    for (int k = 0; k < 3; k++) {
+      double *const sum = &node[(size_t) NSUM * v[k]];
+      sum[0] += part.area[k];
+      dcm::vec(sum + 1) += part.laplace[k];
+      dcm::vec(sum + 4) += part.normal[k];
+    }
+  }
+  comm->reverse_comm(this);
+
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *const sum = &node[(size_t) NSUM * i];
+    if (sum[0] == 0.0) continue;
+
+    // the curvature vector points inward where the surface is concave, and nowhere where flat
+
+    const int c = cell->cell_of[i];
+    const auto laplace = dcm::vec(sum + 1), normal = dcm::vec(sum + 4);
+    const double along = laplace.dot(normal);
+    dcm::Vec3 direction = along == 0.0 ? dcm::Vec3(normal) : dcm::Vec3(laplace);
+    if (along < 0.0) direction = -direction;
+    direction.normalize();
+    const dcm::Vec3 fi = dcm::voronoi_pressure_force(pressure[c], sum[0], direction);
+    dcm::vec(f[i]) += fi;
+    if (evflag) tally(i, x[i], cell->cells[c].x, fi.data());
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixDCMVolume::pack_reverse_comm(int n, int first, double *buf)
+{
+  const double *const from = &node[(size_t) NSUM * first];
+  std::copy(from, from + (size_t) NSUM * n, buf);
+  return NSUM * n;
+}
+
+void FixDCMVolume::unpack_reverse_comm(int n, int *list, double *buf)
+{
+  for (int i = 0, m = 0; i < n; i++)
+    for (int k = 0; k < NSUM; k++) node[(size_t) NSUM * list[i] + k] += buf[m++];
+}
+
+/* ----------------------------------------------------------------------
+   energy of all cells acted on
+------------------------------------------------------------------------- */
+
+double FixDCMVolume::compute_scalar()
+{
+  return energy;
+}
+
+/* ----------------------------------------------------------------------
+   mean, lowest and highest pressure of the cells acted on
+------------------------------------------------------------------------- */
+
+double FixDCMVolume::compute_vector(int i)
+{
+  return i == 0 ? mean : (i == 1 ? lowest : highest);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixDCMVolume::memory_usage()
+{
+  return (double) (pressure.capacity() + node.capacity()) * sizeof(double);
+}

@@ -1,0 +1,59 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(dcm/volume,FixDCMVolume);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DCM_VOLUME_H
+#define LMP_FIX_DCM_VOLUME_H
+
+#include "fix.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Pressure of deformable cells that resists a change of their volume (S1 eq 6). Sets
+// FixDCMCell::Cell::pressure of the cells it acts on.
+
+class FixDCMVolume : public Fix {
+ public:
+  FixDCMVolume(class LAMMPS *, int, char **);
+  int setmask() override;
+  void init() override;
+  void setup_pre_reverse(int, int) override;
+  void pre_reverse(int, int) override;
+  double compute_scalar() override;
+  double compute_vector(int) override;
+  int pack_reverse_comm(int, int, double *) override;
+  void unpack_reverse_comm(int, int *, double *) override;
+  double memory_usage() override;
+
+ private:
+  class FixDCMCell *cell;
+  std::vector<double> K_V;         // per atom type, < 0: not acted on
+  bool voronoi;                    // the source's form of the force instead of the gradient
+  std::vector<double> pressure;    // per cell, 0 for cells not acted on
+  double energy, mean, lowest, highest;
+  std::vector<double> node;    // voronoi only, per atom: area, curvature vector, normal
+
+  void cell_pressures();
+  void gradient_forces();
+  void voronoi_forces();
+  void tally(int, const double *, const double *, const double *);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
