@@ -1,0 +1,653 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "fix_dcm_motion.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "bond_dcm_cortex.h"
+#include "comm.h"
+#include "dcm_parameters.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "force.h"
+#include "group.h"
+#include "math_const.h"
+#include "modify.h"
+#include "neighbor.h"
+#include "pair_dcm_contact.h"
+#include "update.h"
+#include "utils.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using MathConst::MY_4PI;
+
+static const char STYLE[] = "Fix dcm/motion";
+
+static constexpr int FIXED = 0;         // slot of everything that does not move
+static constexpr int NOT_ASKED = -1;    // a ghost no block has touched so far
+
+// A velocity that solves the system of setup() to this many times the tolerance is kept: it comes
+// from a restart file or an earlier run, and solving again would only change its last bits.
+
+static constexpr double KEEP = 2.0;
+
+/* ---------------------------------------------------------------------- */
+
+FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), cortex(nullptr), messages(world)
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+  if (narg < 4)
+    error->all(FLERR,
+               "{}: expected a parameter file (or NULL) and one cell-type name per atom "
+               "type",
+               STYLE);
+
+  params = std::make_unique<DCMParameters>(lmp, STYLE);
+  maxmove = 0.25;
+  least_free = 1e-6;
+
+  int iarg = 3 + params->parse(narg - 3, arg + 3, atom->ntypes);
+  while (iarg < narg) {
+    const int used = params->parse_keyword(narg - iarg, arg + iarg, {"friction_ecm"});
+    if (used > 0) {
+      iarg += used;
+      continue;
+    }
+    const std::string keyword = arg[iarg];
+    if (iarg + 2 > narg) error->all(FLERR, "{}: keyword {} needs a value", STYLE, keyword);
+    const char *value = arg[iarg + 1];
+    if (keyword == "tolerance") {
+      solver.tolerance = params->number("tolerance", value, DCMParameters::POSITIVE);
+      if (solver.tolerance >= 1.0)
+        error->all(FLERR, "{}: tolerance is {}, must be below 1", STYLE, value);
+    } else if (keyword == "maxiter") {
+      const double n = params->number("maxiter", value, DCMParameters::POSITIVE);
+      if (n != std::floor(n) || n > MAXSMALLINT)
+        error->all(FLERR, "{}: maxiter is {}, must be a positive whole number", STYLE, value);
+      solver.maxiter = (int) n;
+    } else if (keyword == "maxmove") {
+      maxmove = params->number("maxmove", value, DCMParameters::POSITIVE);
+    } else if (keyword == "floor") {
+      least_free = params->number("floor", value, DCMParameters::NONNEGATIVE);
+      if (least_free > 1.0) error->all(FLERR, "{}: floor is {}, must be 0 to 1", STYLE, value);
+    } else if (keyword == "precondition") {
+      if (strcmp(value, "block") == 0)
+        solver.precondition = dcm::Precondition::BLOCK;
+      else if (strcmp(value, "jacobi") == 0)
+        solver.precondition = dcm::Precondition::JACOBI;
+      else if (strcmp(value, "none") == 0)
+        solver.precondition = dcm::Precondition::NONE;
+      else
+        error->all(FLERR, "{}: unknown precondition {}; known: block jacobi none", STYLE, value);
+    } else {
+      error->all(FLERR,
+                 "{}: unknown keyword {}; known: friction_ecm tolerance maxiter "
+                 "precondition maxmove floor",
+                 STYLE, keyword);
+    }
+    iarg += 2;
+  }
+
+  time_integrate = 1;
+  dynamic_group_allow = 0;
+  vector_flag = 1;
+  size_vector = 8;
+  global_freq = 1;
+  extvector = 0;
+  comm_forward = 1;
+
+  stale = true;
+  deferred = pending = false;
+  largest_move = solves = iterations = 0.0;
+  seconds_assembly = seconds_solve = messages_start = 0.0;
+}
+
+FixDCMMotion::~FixDCMMotion() = default;
+
+int FixDCMMotion::setmask()
+{
+  return INITIAL_INTEGRATE | POST_NEIGHBOR | FINAL_INTEGRATE;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMMotion::init()
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+  cell = FixDCMCell::require(lmp, STYLE);
+  check_deck();
+  find_styles();
+  find_friction();
+  reset_dt();
+  stale = true;
+  solves = iterations = 0.0;
+  seconds_assembly = seconds_solve = 0.0;
+  messages_start = messages.seconds;
+}
+
+void FixDCMMotion::check_deck()
+{
+  if (modify->get_fix_by_style("^dcm/motion$").size() > 1)
+    error->all(FLERR,
+               "{}: there are two of them; one fix moves all cells, choose which by its "
+               "group",
+               STYLE);
+  if (!utils::strmatch(update->integrate_style, "^verlet"))
+    error->all(FLERR, "{} works with run_style verlet, not {}", STYLE, update->integrate_style);
+
+  // fixes defined later add their forces of setup() after ours: the first solve has to wait
+
+  deferred = false;
+  bool later = false;
+  for (auto *other : modify->get_fix_list()) {
+    if (other == this) {
+      later = true;
+      continue;
+    }
+    if (other->time_integrate && !utils::strmatch(other->style, "^dcm/"))
+      error->all(FLERR, "{} and fix {} ({}) both move atoms; unfix one of them", STYLE, other->id,
+                 other->style);
+    if (later && (modify->get_fix_mask(other) & POST_FORCE)) deferred = true;
+  }
+}
+
+void FixDCMMotion::find_styles()
+{
+  contact = dynamic_cast<PairDCMContact *>(force->pair_match("^dcm/contact", 0));
+  cortex = dynamic_cast<BondDCMCortex *>(force->bond_match("^dcm/cortex"));
+}
+
+/* ----------------------------------------------------------------------
+   ECM friction of every atom type that holds nodes or spheres of the group
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::find_friction()
+{
+  std::vector<int> needed(atom->ntypes + 1, 0);
+  for (int i = 0; i < atom->nlocal; i++)
+    if (is_unknown(i)) needed[atom->type[i]] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, needed.data(), atom->ntypes + 1, MPI_INT, MPI_MAX, world);
+  if (std::find(needed.begin(), needed.end(), 1) == needed.end())
+    error->all(FLERR, "{}: group {} holds no node and no sphere, nothing to move", STYLE,
+               group->names[igroup]);
+
+  friction.assign(atom->ntypes + 1, 0.0);
+  for (int itype = 1; itype <= atom->ntypes; itype++) {
+    if (params->used(itype))
+      friction[itype] = params->get(itype, "friction_ecm", DCMParameters::NONNEGATIVE);
+    else if (needed[itype])
+      error->all(FLERR,
+                 "{}: atom type {} holds nodes or spheres of group {} but has no cell-type "
+                 "name; give it one in place of NULL",
+                 STYLE, itype, group->names[igroup]);
+  }
+}
+
+void FixDCMMotion::reset_dt()
+{
+  if (!(update->dt > 0.0))
+    error->all(FLERR, "{}: timestep is {}, must be positive", STYLE, update->dt);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMMotion::setup(int /*vflag*/)
+{
+  stale = true;
+  pending = deferred;
+  if (!deferred) solve(KEEP);
+}
+
+void FixDCMMotion::post_neighbor()
+{
+  stale = true;
+}
+
+void FixDCMMotion::final_integrate()
+{
+  solve(0.0);
+}
+
+/* ----------------------------------------------------------------------
+   Euler step; faces and centers follow their nodes, wherever these are
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::initial_integrate(int /*vflag*/)
+{
+  if (pending) solve(KEEP);
+  pending = false;
+
+  double **x = atom->x, **v = atom->v;
+  const double dt = update->dt;
+  const int nlocal = atom->nlocal;
+  for (int i = 0; i < nlocal; i++) {
+    const int kind = dcm->kind[i];
+    if (kind == AtomVecDCM::TRACER) continue;
+    if ((kind == AtomVecDCM::NODE || kind == AtomVecDCM::SPHERE) && !(atom->mask[i] & groupbit))
+      continue;
+    x[i][0] += dt * v[i][0];
+    x[i][1] += dt * v[i][1];
+    x[i][2] += dt * v[i][2];
+  }
+}
+
+/* ----------------------------------------------------------------------
+   owned atom or ghost that belongs to the unknowns
+------------------------------------------------------------------------- */
+
+bool FixDCMMotion::is_unknown(int i) const
+{
+  return (dcm->kind[i] == AtomVecDCM::NODE || dcm->kind[i] == AtomVecDCM::SPHERE) &&
+         (atom->mask[i] & groupbit);
+}
+
+/* ----------------------------------------------------------------------
+   slot of an atom; a ghost gets its own, and a request to its owner, when it is first asked for
+------------------------------------------------------------------------- */
+
+int FixDCMMotion::ask(int i)
+{
+  if (slot[i] != NOT_ASKED) return slot[i];
+  const int j = atom->map(atom->tag[i]);    // one slot for all copies
+  if (slot[j] == NOT_ASKED) {
+    slot[j] = ++system.nall;
+    messages.request((int) owner[j], atom->tag[j], slot[j]);
+  }
+  slot[i] = slot[j];
+  return slot[i];
+}
+
+/* ----------------------------------------------------------------------
+   after a rebuild of the neighbor lists: number the owned unknowns and those ghosts that edges
+   and faces touch; contacts ask for more from step to step
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::make_slots()
+{
+  const int nlocal = atom->nlocal, nghost = atom->nghost;
+  slot.assign(nlocal + nghost, FIXED);
+  atom_of.assign(1, -1);
+  for (int i = 0; i < nlocal; i++) {
+    if (!is_unknown(i)) continue;
+    slot[i] = (int) atom_of.size();
+    atom_of.push_back(i);
+  }
+  system.nowned = system.nall = (int) atom_of.size() - 1;
+
+  std::vector<int> known(comm->nprocs, 0);
+  if (comm->nprocs > 1) {
+    owner.assign(nlocal + nghost, comm->me);
+    comm->forward_comm(this, 1);
+  }
+  for (int i = nlocal; i < nlocal + nghost; i++) {
+    if (!is_unknown(i)) continue;
+    const int j = atom->map(atom->tag[i]);
+    if (j < nlocal)
+      slot[i] = slot[j];
+    else {
+      slot[i] = NOT_ASKED;
+      known[(int) owner[i]]++;
+    }
+  }
+  messages.connect(known);
+
+  face_slots.resize(3 * (size_t) cell->nowned);
+  for (int f = 0; f < cell->nowned; f++)
+    for (int k = 0; k < 3; k++) face_slots[3 * (size_t) f + k] = ask(cell->faces[f].v[k]);
+
+  list_edges();
+  stale = false;
+}
+
+int FixDCMMotion::pack_forward_comm(int n, int *list, double *buf, int, int *)
+{
+  for (int i = 0; i < n; i++) buf[i] = owner[list[i]];
+  return n;
+}
+
+void FixDCMMotion::unpack_forward_comm(int n, int first, double *buf)
+{
+  for (int i = 0; i < n; i++) owner[first + i] = buf[i];
+}
+
+/* ----------------------------------------------------------------------
+   isotropic dashpots do not change until the next rebuild, projected ones turn with their edge
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::list_edges()
+{
+  system.iso_edges.clear();
+  projected_edges.clear();
+  if (!cortex) return;
+  int **bondlist = neighbor->bondlist;
+  for (int n = 0; n < neighbor->nbondlist; n++) {
+    const int btype = bondlist[n][2];
+    const double gamma = cortex->gamma(btype);
+    if (gamma == 0.0) continue;
+    const int i = ask(bondlist[n][0]), j = ask(bondlist[n][1]);
+    if (i == j) continue;    // both fixed
+    if (cortex->projected(btype))
+      projected_edges.push_back(n);
+    else
+      system.iso_edges.push_back({i, j, gamma});
+  }
+}
+
+/* ----------------------------------------------------------------------
+   the blocks of this step
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::assemble()
+{
+  if (stale) make_slots();
+  add_edges();
+  if (contact) add_contacts();
+  messages.update([this](std::int64_t tag) {
+    return slot[atom->map((tagint) tag)];
+  });
+  add_ecm();
+
+  const size_t n = (size_t) system.nall + 1;
+  rhs.resize(3 * n);
+  velocity.resize(3 * n);
+  for (int k = 0; k < 3; k++) rhs[k] = velocity[k] = 0.0;
+  double **f = atom->f, **v = atom->v;
+  for (int s = 1; s <= system.nowned; s++) {
+    const int i = atom_of[s];
+    for (int k = 0; k < 3; k++) {
+      rhs[3 * (size_t) s + k] = f[i][k];
+      velocity[3 * (size_t) s + k] = v[i][k];
+    }
+  }
+}
+
+void FixDCMMotion::add_edges()
+{
+  system.edges.clear();
+  double **x = atom->x;
+  int **bondlist = neighbor->bondlist;
+  for (const int n : projected_edges) {
+    const int i = bondlist[n][0], j = bondlist[n][1];
+    const double dx = x[j][0] - x[i][0], dy = x[j][1] - x[i][1], dz = x[j][2] - x[i][2];
+    const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
+    if (r == 0.0) continue;
+    system.edges.push_back(
+        {slot[i], slot[j], 0.0, cortex->gamma(bondlist[n][2]), {dx / r, dy / r, dz / r}});
+  }
+}
+
+void FixDCMMotion::add_contacts()
+{
+  for (auto block : contact->sphere_blocks()) {
+    block.i = ask(block.i);
+    block.j = ask(block.j);
+    if (block.i != block.j) system.edges.push_back(block);
+  }
+  system.contacts.clear();
+  for (auto block : contact->contact_blocks()) {
+    int any = 0;
+    for (int &n : block.n) any |= n = ask(n);
+    if (any) system.contacts.push_back(block);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   ECM friction acts on the free surface: one third of each incident face's for a node. A small
+   share of the whole area always counts as free, see the doc page
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::add_ecm()
+{
+  system.ecm.assign((size_t) system.nall + 1, 0.0);
+  const double *covered = contact ? contact->contact_area() : nullptr;
+  const int *type = atom->type;
+
+  auto free_area = [&](int i, double area) {
+    return covered ? std::max(area - covered[i], least_free * area) : area;
+  };
+  for (int f = 0; f < cell->nowned; f++) {
+    const auto &face = cell->faces[f];
+    const double share = free_area(face.atom, cell->area[f]) / 3.0;
+    for (int k = 0; k < 3; k++)
+      system.ecm[face_slots[3 * (size_t) f + k]] += friction[type[face.v[k]]] * share;
+  }
+  for (int s = 1; s <= system.nowned; s++) {
+    const int i = atom_of[s];
+    if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
+    const double r = atom->radius[i];
+    system.ecm[s] += friction[type[i]] * free_area(i, MY_4PI * r * r);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMMotion::solve(double keep)
+{
+  const double start = platform::walltime();
+  const double before = messages.seconds;
+  assemble();
+  const double assembled = platform::walltime();
+  const double between = messages.seconds;
+  last = solver.solve(system, rhs.data(), velocity.data(), messages, keep);
+  const double solved = platform::walltime();
+  const double after = messages.seconds;
+
+  check_solution();
+  check_move();
+  if (last.status != dcm::FrictionResult::KEPT) spread_velocity();
+
+  solves += 1.0;
+  iterations += last.iterations;
+  seconds_solve += solved - assembled - (after - between);
+  seconds_assembly += platform::walltime() - solved + (assembled - start) - (between - before);
+}
+
+/* ----------------------------------------------------------------------
+   velocities of owned unknowns, of faces (mean of their vertices') and centers (of their nodes')
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::spread_velocity()
+{
+  double **v = atom->v;
+  const int nlocal = atom->nlocal;
+  auto &cells = cell->cells;
+
+  cell_sums.assign(3 * cells.size(), 0.0);
+  for (int i = 0; i < nlocal; i++) {
+    const int kind = dcm->kind[i];
+    if (kind != AtomVecDCM::NODE && kind != AtomVecDCM::SPHERE) continue;
+    const double *u = &velocity[3 * (size_t) slot[i]];
+    for (int k = 0; k < 3; k++) v[i][k] = u[k];
+    if (kind == AtomVecDCM::SPHERE) continue;
+    for (int k = 0; k < 3; k++) cell_sums[3 * (size_t) cell->cell_of[i] + k] += u[k];
+  }
+  cell->sum(cell_sums);
+  for (int i = 0; i < nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::CENTER) continue;
+    const int c = cell->cell_of[i];
+    for (int k = 0; k < 3; k++)
+      v[i][k] = cell_sums[3 * (size_t) c + k] / std::max(1, cells[c].nnodes);
+  }
+  for (int f = 0; f < cell->nowned; f++) {
+    double *vf = v[cell->faces[f].atom];
+    const int *s = &face_slots[3 * (size_t) f];
+    for (int k = 0; k < 3; k++)
+      vf[k] = (velocity[3 * (size_t) s[0] + k] + velocity[3 * (size_t) s[1] + k] +
+               velocity[3 * (size_t) s[2] + k]) /
+              3.0;
+  }
+}
+
+/* ----------------------------------------------------------------------
+   tag, molecule and kind of the atom in a slot, from the first process that has one (slot >= 0);
+   collective, empty if none has
+------------------------------------------------------------------------- */
+
+std::vector<tagint> FixDCMMotion::describe(int s)
+{
+  int rank = (s > 0) ? comm->me : comm->nprocs;
+  MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, world);
+  if (rank == comm->nprocs) return {};
+  tagint values[3] = {0, 0, 0};
+  if (rank == comm->me) {
+    const int i = atom_of[s];
+    values[0] = atom->tag[i];
+    values[1] = atom->molecule[i];
+    values[2] = dcm->kind[i];
+  }
+  MPI_Bcast(values, 3, MPI_LMP_TAGINT, rank, world);
+  return {values[0], values[1], values[2]};
+}
+
+static const char *kind_name(tagint kind)
+{
+  return (kind == AtomVecDCM::SPHERE) ? "sphere" : "node";
+}
+
+/* ----------------------------------------------------------------------
+   a system that was not solved ends the run, with the reason
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::check_solution()
+{
+  using Result = dcm::FrictionResult;
+  const bigint step = update->ntimestep;
+
+  if (last.status == Result::SINGULAR) {
+    const auto who = describe(last.zero_slot);
+    error->all(FLERR,
+               "{}: {} {} of cell {} has no friction at all at step {} (no ECM friction, no "
+               "dashpot, no contact), its velocity is undetermined; set friction_ecm above 0 for "
+               "its cell type, or gamma of its cortex",
+               STYLE, kind_name(who[2]), who[0], who[1], step);
+  }
+  if (last.status == Result::NOT_FINITE) {
+    int bad = -1;
+    for (int s = system.nowned; s > 0; s--)
+      for (int k = 0; k < 3; k++)
+        if (!std::isfinite(rhs[3 * (size_t) s + k])) bad = s;
+    const auto who = describe(bad);
+    if (!who.empty())
+      error->all(FLERR,
+                 "{}: force on {} {} of cell {} is not a finite number at step {}; reduce the "
+                 "timestep or check the parameters of the force styles",
+                 STYLE, kind_name(who[2]), who[0], who[1], step);
+    error->all(FLERR,
+               "{}: a friction coefficient is not a finite number at step {}; check gamma, "
+               "friction_normal, friction_tangential and friction_ecm",
+               STYLE, step);
+  }
+  if (last.status == Result::NOT_CONVERGED)
+    error->all(FLERR,
+               "{}: no convergence at step {}: residual {:.3g} of the force after {} "
+               "iterations, tolerance {}; raise maxiter or tolerance, and check that "
+               "friction_ecm is above 0 where unbalanced forces act",
+               STYLE, step, last.residual, last.iterations, solver.tolerance);
+  if (last.status == Result::INDEFINITE)
+    error->all(FLERR,
+               "{}: friction matrix is not positive definite at step {} (residual {:.3g} after "
+               "{} iterations): a cell or group of cells without ECM friction is driven by forces "
+               "that do not add up to zero; set friction_ecm above 0, or floor above 0 if all its "
+               "surface is in contact",
+               STYLE, step, last.residual, last.iterations);
+}
+
+/* ----------------------------------------------------------------------
+   a step too large for the mesh ends the run before it is taken
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::check_move()
+{
+  const double edge = cell->mean_edge(), dt = update->dt;
+  struct {
+    double ratio;
+    int rank;
+  } worst = {0.0, comm->me};
+  int s_worst = 0;
+  for (int s = 1; s <= system.nowned; s++) {
+    const double *u = &velocity[3 * (size_t) s];
+    const int i = atom_of[s];
+    const double scale = (dcm->kind[i] == AtomVecDCM::NODE) ? edge : atom->radius[i];
+    const double move = dt * std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    if (move <= worst.ratio * scale || scale == 0.0) continue;
+    worst.ratio = move / scale;
+    s_worst = s;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
+  largest_move = worst.ratio;
+  if (largest_move <= maxmove) return;
+
+  const auto who = describe((comm->me == worst.rank) ? s_worst : -1);
+  double scale = edge;
+  if (who[2] == AtomVecDCM::SPHERE && comm->me == worst.rank)
+    scale = atom->radius[atom_of[s_worst]];
+  MPI_Bcast(&scale, 1, MPI_DOUBLE, worst.rank, world);
+  error->all(FLERR,
+             "{}: {} {} of cell {} would move by {:.4g} at step {}, {:.3g} of its {} {:.4g}, "
+             "the limit is maxmove {}; use a smaller timestep than {}, larger friction (gamma, "
+             "friction_ecm), or raise maxmove",
+             STYLE, kind_name(who[2]), who[0], who[1], largest_move * scale, update->ntimestep,
+             largest_move, (who[2] == AtomVecDCM::SPHERE) ? "radius" : "mean edge length", scale,
+             maxmove, dt);
+}
+
+/* ----------------------------------------------------------------------
+   doc page fix_dcm_motion lists the entries; times are means over processes
+------------------------------------------------------------------------- */
+
+double FixDCMMotion::compute_vector(int n)
+{
+  double value = 0.0;
+  switch (n) {
+    case 0:
+      return last.residual;
+    case 1:
+      return last.iterations;
+    case 2:
+      return (solves > 0.0) ? iterations / solves : 0.0;
+    case 3:
+      return largest_move;
+    case 4:
+      value = seconds_assembly / comm->nprocs;
+      break;
+    case 5:
+      value = seconds_solve / comm->nprocs;
+      break;
+    case 6:
+      value = (messages.seconds - messages_start) / comm->nprocs;
+      break;
+    case 7:
+      value = system.nowned;
+      break;
+    default:
+      return 0.0;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, world);
+  return value;
+}
+
+double FixDCMMotion::memory_usage()
+{
+  return solver.memory_usage() +
+         (double) sizeof(double) * (owner.capacity() + rhs.capacity() + velocity.capacity() +
+                                    system.ecm.capacity() + cell_sums.capacity()) +
+         (double) sizeof(int) * (slot.capacity() + atom_of.capacity() + face_slots.capacity() +
+                                 projected_edges.capacity()) +
+         (double) sizeof(dcm::IsoEdge) * system.iso_edges.capacity() +
+         (double) sizeof(dcm::EdgeBlock) * system.edges.capacity() +
+         (double) sizeof(dcm::ContactBlock) * system.contacts.capacity();
+}

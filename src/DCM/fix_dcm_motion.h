@@ -1,0 +1,99 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(dcm/motion,FixDCMMotion);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DCM_MOTION_H
+#define LMP_FIX_DCM_MOTION_H
+
+#include "dcm_friction_comm.h"
+#include "dcm_friction_solver.h"
+#include "fix.h"
+
+#include <memory>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Overdamped motion: once a step, solve Gamma v = F for all nodes and spheres of the group, then
+// x += dt v. Gamma is the sum of ECM friction, cortex dashpots (bond_style dcm/cortex) and contact
+// friction (pair_style dcm/contact), each present only if its style is. Nodes and spheres outside
+// the group are fixed. Doc page fix_dcm_motion.
+
+class FixDCMMotion : public Fix {
+ public:
+  FixDCMMotion(class LAMMPS *, int, char **);
+  ~FixDCMMotion() override;
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void initial_integrate(int) override;
+  void post_neighbor() override;
+  void final_integrate() override;
+  void reset_dt() override;
+  double compute_vector(int) override;
+  double memory_usage() override;
+  int pack_forward_comm(int, int *, double *, int, int *) override;
+  void unpack_forward_comm(int, int, double *) override;
+
+ private:
+  struct DCMAtoms *dcm;
+  class FixDCMCell *cell;
+  class PairDCMContact *contact;    // nullptr: no such pair style
+  class BondDCMCortex *cortex;      // nullptr: no such bond style
+  std::unique_ptr<class DCMParameters> params;
+
+  std::vector<double> friction;    // per atom type: ECM friction per area
+  double maxmove, least_free;
+
+  dcm::FrictionSystem system;
+  dcm::FrictionComm messages;
+  dcm::FrictionSolver<dcm::FrictionComm> solver;
+  dcm::FrictionResult last;
+
+  bool stale, deferred, pending;        // lists outdated; solve of setup() must wait, is waiting
+  std::vector<int> slot;                // per owned + ghost atom, NOT_ASKED: ghost nobody needs yet
+  std::vector<int> atom_of;             // per owned slot: local atom
+  std::vector<int> face_slots;          // 3 per owned face
+  std::vector<int> projected_edges;     // indices into neighbor->bondlist
+  std::vector<double> owner;            // per owned + ghost atom: its process
+  std::vector<double> rhs, velocity;    // 3 per slot
+  std::vector<double> cell_sums;
+
+  double largest_move;          // dt |v| over mean edge (node) or radius (sphere)
+  double solves, iterations;    // since the start of the run
+  double seconds_assembly, seconds_solve, messages_start;
+
+  bool is_unknown(int) const;
+  int ask(int);
+  void find_styles();
+  void find_friction();
+  void check_deck();
+  void make_slots();
+  void list_edges();
+  void assemble();
+  void add_edges();
+  void add_contacts();
+  void add_ecm();
+  void solve(double);
+  void check_solution();
+  void check_move();
+  void spread_velocity();
+  std::vector<tagint> describe(int);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
