@@ -1,0 +1,552 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "pair_dcm_contact.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_curvature.h"
+#include "dcm_jkr.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "fix_neigh_history.h"
+#include "force.h"
+#include "neigh_list.h"
+#include "neighbor.h"
+#include "platform.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using dcm::vec;
+using dcm::Vec3;
+
+static constexpr int NREGION = AtomVecDCM::NREGION;
+
+/* ---------------------------------------------------------------------- */
+
+void PairDCMContact::compute(int eflag, int vflag)
+{
+  const double start = platform::walltime();
+  ev_init(eflag, vflag);
+
+  count = Counters();
+  if (neighbor->ago == 0 || built != neighbor->lastcall) sort_pairs();
+  count.pairs = (bigint) face_pairs.size() + mixed_pairs.size() + sphere_pairs.size();
+  count.list_seconds = platform::walltime() - start;
+
+  const int nall = atom->nlocal + atom->nghost;
+  area.assign(nall, 0.0);
+  if (want_stress) stress.assign(nall, 0.0);
+  contacts.clear();
+  spheres.clear();
+  partner_list.clear();
+
+  if (fix_cell) {
+    make_faces();
+    if (set.law == DMT)
+      dispatch_points<dcm::DmtState>();
+    else
+      dispatch_points<dcm::MaugisState>();
+  }
+  if (!sphere_pairs.empty() || any_apparent) {
+    if (any_apparent) compute_moduli();
+    compute_spheres(eflag);
+  }
+
+  commmode = SUMS;
+  comm->reverse_comm(this, want_stress ? 2 : 1);
+  if (want_partners) merge_partners();
+
+  if (vflag_fdotr) virial_fdotr_compute();
+
+  if (update->setupflag) check_start();
+  checked_step = update->ntimestep;
+
+  pvector[0] = (double) count.pairs;
+  pvector[1] = (double) count.contacts;
+  pvector[2] = count.area;
+  count.seconds = platform::walltime() - start;
+  pvector[3] = count.seconds;
+}
+
+/* ----------------------------------------------------------------------
+   after each rebuild: sort the neighbor list by kind, so that the loops of
+   every step neither look up kinds nor meet pairs that never interact
+------------------------------------------------------------------------- */
+
+void PairDCMContact::sort_pairs()
+{
+  check_radii();
+  built = neighbor->lastcall;
+  face_pairs.clear();
+  mixed_pairs.clear();
+  sphere_pairs.clear();
+  face_touch.clear();
+  mixed_touch.clear();
+  sphere_touch.clear();
+
+  for (int ii = 0; ii < list->inum; ii++) {
+    const int i = list->ilist[ii];
+    if (!types[atom->type[i]].active) continue;
+    const int *jlist = list->firstneigh[i];
+    const int jnum = list->numneigh[i];
+    int *touch = use_history ? fix_history->firstflag[i] : nullptr;
+    for (int jj = 0; jj < jnum; jj++) {
+      const int j = jlist[jj] & NEIGHMASK;
+      if (types[atom->type[j]].active) add_pair(i, j, touch ? touch + jj : nullptr);
+    }
+  }
+
+  used_faces.clear();
+  if (!fix_cell) return;
+  geometry.resize(fix_cell->faces.size());
+  face_class.assign(fix_cell->faces.size(), -1);
+  auto use = [this](int f) {
+    if (face_class[f] >= 0) return;
+    face_class[f] = 0;
+    used_faces.push_back(f);
+  };
+  for (const auto &pair : face_pairs) {
+    use(pair.f);
+    use(pair.g);
+  }
+  for (const auto &pair : mixed_pairs) use(pair.i);
+
+  const auto &faces = fix_cell->faces;
+  for (int f : used_faces) {
+    const int *v = faces[f].v;
+    if (v[0] >= 0 && v[1] >= 0 && v[2] >= 0) continue;
+    error->one(
+        FLERR,
+        "Pair style dcm/contact: a vertex of face {} (cell {}) lies beyond the ghost cutoff "
+        "at step {}; nodes must be known {:.4} away: set 'comm_modify cutoff {:.4}' or, with "
+        "mode multi, this cutoff for the atom types of nodes",
+        atom->tag[faces[f].atom], atom->molecule[faces[f].atom], update->ntimestep, own_cutoff,
+        own_cutoff);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   the two faces stand in the order of their IDs, so that a pair is computed
+   in the same way on whatever rank
+------------------------------------------------------------------------- */
+
+void PairDCMContact::add_pair(int i, int j, int *touch)
+{
+  const int ki = dcm->kind[i], kj = dcm->kind[j];
+  if (atom->molecule[i] == atom->molecule[j]) return;
+  if (ki == AtomVecDCM::FACE && kj == AtomVecDCM::FACE) {
+    if (atom->tag[i] > atom->tag[j]) std::swap(i, j);
+    face_pairs.push_back({fix_cell->face_of[i], fix_cell->face_of[j]});
+    if (use_history && set.history) face_touch.push_back(touch);
+  } else if (ki == AtomVecDCM::SPHERE && kj == AtomVecDCM::SPHERE) {
+    if (atom->tag[i] > atom->tag[j]) std::swap(i, j);
+    sphere_pairs.push_back({i, j});
+    sphere_touch.push_back(touch);
+  } else if (ki == AtomVecDCM::FACE && kj == AtomVecDCM::SPHERE) {
+    mixed_pairs.push_back({fix_cell->face_of[i], j});
+    if (use_history && set.history) mixed_touch.push_back(touch);
+  } else if (ki == AtomVecDCM::SPHERE && kj == AtomVecDCM::FACE) {
+    mixed_pairs.push_back({fix_cell->face_of[j], i});
+    if (use_history && set.history) mixed_touch.push_back(touch);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   a face or sphere larger than what the list was built for may miss partners
+------------------------------------------------------------------------- */
+
+void PairDCMContact::check_radii()
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    const TypeInfo &info = types[atom->type[i]];
+    const int kind = dcm->kind[i];
+    if (kind != AtomVecDCM::FACE && kind != AtomVecDCM::SPHERE) continue;
+    if (!info.used) continue;
+    if (!info.active)
+      error->one(FLERR,
+                 "Pair style dcm/contact: atom {} is a {} but its type {} held none when the run "
+                 "started; give faces and spheres atom types of their own",
+                 atom->tag[i], kind == AtomVecDCM::FACE ? "face" : "sphere", atom->type[i]);
+    if (kind == AtomVecDCM::FACE && !fix_cell)
+      error->one(FLERR, "Pair style dcm/contact: face {} appeared without a fix dcm/cell",
+                 atom->tag[i]);
+    if (atom->radius[i] > info.promise)
+      error->one(FLERR,
+                 "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step "
+                 "{}, beyond the {:.4} for which the neighbor list was prepared at the start of "
+                 "this run; split the run ('run N every M') or look for a mesh that falls apart",
+                 kind == AtomVecDCM::FACE ? "face" : "sphere", atom->tag[i], atom->molecule[i],
+                 atom->radius[i], update->ntimestep, info.promise);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   spheres through the faces that have a partner in the list
+------------------------------------------------------------------------- */
+
+void PairDCMContact::make_faces()
+{
+  const auto &faces = fix_cell->faces;
+  const auto &curvature = fix_cell->curvature;
+  double *const *const x = atom->x;
+
+  rmax_cell.resize(fix_cell->cells.size());
+  for (size_t c = 0; c < rmax_cell.size(); c++)
+    rmax_cell[c] = set.rmax * std::cbrt(0.75 / dcm::PI * fix_cell->cells[c].volume);
+
+  for (int f : used_faces) {
+    const auto &face = faces[f];
+    const int *v = face.v;
+    const double k = (curvature[v[0]] + curvature[v[1]] + curvature[v[2]]) / 3.0;
+    const double R = dcm::face_radius(k, 0.0, 0.0, rmax_cell[face.cell], set.concave);
+    geometry[f] = dcm::make_face(vec(x[v[0]]), vec(x[v[1]]), vec(x[v[2]]), R);
+    face_class[f] = NREGION * (atom->type[face.atom] - 1) + dcm->region[face.atom];
+    if (!std::isfinite(geometry[f].center.sum()))
+      error->one(FLERR,
+                 "Pair style dcm/contact: face {} of cell {} has no finite position at step {}; "
+                 "reduce the timestep",
+                 atom->tag[face.atom], atom->molecule[face.atom], update->ntimestep);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   law, number of points and memory are fixed before the loops
+------------------------------------------------------------------------- */
+
+template <class State> void PairDCMContact::dispatch_points()
+{
+  switch (set.points) {
+    case 1:
+      return dispatch_history<State, 1>();
+    case 2:
+      return dispatch_history<State, 2>();
+    case 3:
+      return dispatch_history<State, 3>();
+    default:
+      return dispatch_history<State, 4>();
+  }
+}
+
+template <class State, int POINTS> void PairDCMContact::dispatch_history()
+{
+  if (use_history && set.history) {
+    compute_faces<State, POINTS, true>();
+    compute_mixed<State, POINTS, true>();
+  } else {
+    compute_faces<State, POINTS, false>();
+    compute_mixed<State, POINTS, false>();
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_faces()
+{
+  const auto &faces = fix_cell->faces;
+  double *const *const force_of = atom->f;
+  const size_t npairs = face_pairs.size();
+  dcm::ContactResult r;
+
+  for (size_t n = 0; n < npairs; n++) {
+    const int fi = face_pairs[n].f, gi = face_pairs[n].g;
+    const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
+
+    // what is farther apart may or may not be in the list: never look at it, so that results do
+    // not depend on when the list was built
+
+    const Vec3 apart = g.mid - f.mid;
+    const double bound = f.reach + g.reach + range_used;
+    const dcm::ContactMaterial &mat = table[face_class[fi] * nclass + face_class[gi]];
+    if (!(apart.squaredNorm() < bound * bound) ||
+        !dcm::face_face<State>(f, g, mat, POINTS, r, HISTORY && *face_touch[n])) {
+      if (HISTORY) *face_touch[n] = 0;
+      continue;
+    }
+    if (HISTORY) *face_touch[n] = 1;
+
+    const auto &face = faces[fi], &other = faces[gi];
+    const double overlap = -apart.dot(r.u);
+    if (!(overlap <= overlap_used) || !std::isfinite(r.force))
+      fail_pair(face.atom, other.atom, overlap, r.force);
+    count.overlap = std::max(count.overlap, overlap);
+    count.contacts++;
+    count.area += r.area;
+
+    for (int k = 0; k < 3; k++) {
+      vec(force_of[face.v[k]]) -= r.wf[k] * r.u;
+      vec(force_of[other.v[k]]) += r.wg[k] * r.u;
+    }
+    area[face.atom] += r.area;
+    area[other.atom] += r.area;
+    if (want_stress) {
+      stress[face.atom] += r.force;
+      stress[other.atom] += r.force;
+    }
+    if (want_partners) add_partner(atom->molecule[face.atom], atom->molecule[other.atom], r.area);
+    if (want_blocks)
+      contacts.push_back({{face.v[0], face.v[1], face.v[2], other.v[0], other.v[1], other.v[2]},
+                          {r.bf[0], r.bf[1], r.bf[2], -r.bg[0], -r.bg[1], -r.bg[2]},
+                          {r.u[0], r.u[1], r.u[2]},
+                          r.area * mat.gn,
+                          r.area * mat.gt});
+  }
+}
+
+/* ----------------------------------------------------------------------
+   a deformable cell's face against a center-based cell
+------------------------------------------------------------------------- */
+
+template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mixed()
+{
+  const auto &faces = fix_cell->faces;
+  double *const *const force_of = atom->f;
+  double *const *const x = atom->x;
+  const size_t npairs = mixed_pairs.size();
+  dcm::ContactResult r;
+
+  for (size_t n = 0; n < npairs; n++) {
+    const int fi = mixed_pairs[n].i, j = mixed_pairs[n].j;
+    const dcm::FaceGeometry &f = geometry[fi];
+    const double radius = atom->radius[j];
+    const Vec3 apart = vec(x[j]) - f.mid;
+    const double bound = f.reach + radius + 0.5 * range_used;
+    const dcm::ContactMaterial &mat =
+        table[face_class[fi] * nclass + NREGION * (atom->type[j] - 1)];
+    if (!(apart.squaredNorm() < bound * bound) ||
+        !dcm::face_sphere<State>(f, vec(x[j]), radius, mat, POINTS, r,
+                                 HISTORY && *mixed_touch[n])) {
+      if (HISTORY) *mixed_touch[n] = 0;
+      continue;
+    }
+    if (HISTORY) *mixed_touch[n] = 1;
+
+    const auto &face = faces[fi];
+    const double overlap = radius - apart.dot(r.u);
+    if (!(overlap <= radius) || !std::isfinite(r.force)) fail_pair(face.atom, j, overlap, r.force);
+    count.contacts++;
+    count.area += r.area;
+
+    for (int k = 0; k < 3; k++) vec(force_of[face.v[k]]) -= r.wf[k] * r.u;
+    vec(force_of[j]) += r.force * r.u;
+    area[face.atom] += r.area;
+    area[j] += r.area;
+    if (want_stress) {
+      stress[face.atom] += r.force;
+      stress[j] += r.force;
+    }
+    if (want_partners) add_partner(atom->molecule[face.atom], atom->molecule[j], r.area);
+    if (want_blocks)
+      contacts.push_back({{face.v[0], face.v[1], face.v[2], j, j, j},
+                          {r.bf[0], r.bf[1], r.bf[2], -1.0, 0.0, 0.0},
+                          {r.u[0], r.u[1], r.u[2]},
+                          r.area * mat.gn,
+                          r.area * mat.gt});
+  }
+}
+
+/* ----------------------------------------------------------------------
+   apparent modulus of each sphere from its mean compression by the spheres
+   it touches (S1, after eq 15)
+------------------------------------------------------------------------- */
+
+void PairDCMContact::compute_moduli()
+{
+  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost;
+  double *const *const x = atom->x;
+  near_sum.assign(nall, 0.0);
+  near_count.assign(nall, 0.0);
+  modulus.resize(nall);
+  for (size_t n = 0; n < sphere_pairs.size(); n++) {
+    const int i = sphere_pairs[n].i, j = sphere_pairs[n].j;
+    const double sum = atom->radius[i] + atom->radius[j];
+    const double d = (vec(x[j]) - vec(x[i])).norm();
+    if (d > sum && !*sphere_touch[n]) continue;
+    for (int k : {i, j}) {
+      near_sum[k] += 1.0 - d / sum;
+      near_count[k] += 1.0;
+    }
+  }
+  commmode = NEIGHBORS;
+  comm->reverse_comm(this, 2);
+
+  for (int i = 0; i < nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
+    const TypeInfo &info = types[atom->type[i]];
+    modulus[i] = near_count[i] > 0.0
+                     ? dcm::apparent_modulus(info.E, info.a, near_sum[i] / near_count[i])
+                     : info.E;
+    if (!(modulus[i] > 0.0))
+      error->one(FLERR,
+                 "Pair style dcm/contact: the apparent modulus of cell {} is {} at a mean overlap "
+                 "of {} of the radii; the coefficients a1..a4 must keep it positive",
+                 atom->molecule[i], modulus[i], near_sum[i] / near_count[i]);
+  }
+  commmode = MODULUS;
+  comm->forward_comm(this, 1);
+}
+
+/* ----------------------------------------------------------------------
+   JKR contact of center-based cells: made at first touch, kept to pull-off
+------------------------------------------------------------------------- */
+
+void PairDCMContact::compute_spheres(int eflag)
+{
+  double *const *const x = atom->x;
+  double *const *const force_of = atom->f;
+  const double *const radius = atom->radius;
+  const int *const type = atom->type;
+  const int nlocal = atom->nlocal;
+
+  for (size_t n = 0; n < sphere_pairs.size(); n++) {
+    const int i = sphere_pairs[n].i, j = sphere_pairs[n].j;
+    int &touch = *sphere_touch[n];
+    const Vec3 del = vec(x[j]) - vec(x[i]);
+    const double d = del.norm();
+    const double delta = radius[i] + radius[j] - d;
+    if (delta < 0.0 && !touch) continue;
+
+    const TypeInfo &it = types[type[i]], &jt = types[type[j]];
+    const dcm::ContactMaterial &mat =
+        table[NREGION * (type[i] - 1) * nclass + NREGION * (type[j] - 1)];
+    const double E = any_apparent ? dcm::effective_modulus(modulus[i], it.nu, modulus[j], jt.nu)
+                                  : mat.E;
+    const dcm::JKR jkr = {E, dcm::effective_radius(radius[i], radius[j]), mat.W};
+    if (delta < jkr.pull_off_displacement()) {
+      touch = 0;
+      continue;
+    }
+    touch = 1;
+
+    const double a = jkr.contact_radius(delta);
+    const double force = jkr.force_of_radius(a);
+    if (!(d > 0.0) || !std::isfinite(force)) fail_pair(i, j, delta, force);
+    const Vec3 u = del / d;
+    const double patch = dcm::PI * a * a;
+    count.contacts++;
+    count.area += patch;
+    vec(force_of[i]) -= force * u;
+    vec(force_of[j]) += force * u;
+    area[i] += patch;
+    area[j] += patch;
+    if (want_stress) {
+      stress[i] += force;
+      stress[j] += force;
+    }
+    if (want_partners) add_partner(atom->molecule[i], atom->molecule[j], patch);
+    if (want_blocks)
+      spheres.push_back({i, j, patch * mat.gt, patch * (mat.gn - mat.gt), {u[0], u[1], u[2]}});
+    if (evflag)
+      ev_tally(i, j, nlocal, 1, eflag ? jkr.energy(delta) : 0.0, 0.0, force / d, -del[0], -del[1],
+               -del[2]);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDCMContact::add_partner(tagint a, tagint b, double patch)
+{
+  if (a > b) std::swap(a, b);
+  if (!partner_list.empty() && partner_list.back().molecule == a && partner_list.back().other == b)
+    partner_list.back().area += patch;
+  else
+    partner_list.push_back({a, b, patch});
+}
+
+void PairDCMContact::merge_partners()
+{
+  std::stable_sort(partner_list.begin(), partner_list.end(),
+                   [](const Partner &p, const Partner &q) {
+                     return p.molecule != q.molecule ? p.molecule < q.molecule : p.other < q.other;
+                   });
+  size_t n = 0;
+  for (size_t m = 0; m < partner_list.size(); m++) {
+    if (n && partner_list[n - 1].molecule == partner_list[m].molecule &&
+        partner_list[n - 1].other == partner_list[m].other)
+      partner_list[n - 1].area += partner_list[m].area;
+    else
+      partner_list[n++] = partner_list[m];
+  }
+  partner_list.resize(n);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDCMContact::fail_pair(int i, int j, double overlap, double force)
+{
+  if (!std::isfinite(force) || !std::isfinite(overlap))
+    error->one(FLERR,
+               "Pair style dcm/contact: the contact of cells {} and {} (atoms {} and {}) has force "
+               "{} at step {}; coincident cells, or a timestep too large",
+               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], force,
+               update->ntimestep);
+  error->one(FLERR,
+             "Pair style dcm/contact: cells {} and {} run into each other: atoms {} and {} overlap "
+             "by {:.4} at step {}, more than {:.4}; reduce the timestep or fix dcm/motion maxmove, "
+             "give the cells a stiffer or tenser cortex, or raise keyword range",
+             atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
+             update->ntimestep, overlap_used);
+}
+
+/* ----------------------------------------------------------------------
+   only faces and spheres have anything to communicate
+------------------------------------------------------------------------- */
+
+int PairDCMContact::pack_reverse_comm(int n, int first, double *buf)
+{
+  int m = 0;
+  for (int i = first; i < first + n; i++) {
+    const int kind = dcm->kind[i];
+    if (commmode == NEIGHBORS) {
+      if (kind != AtomVecDCM::SPHERE) continue;
+      buf[m++] = near_sum[i];
+      buf[m++] = near_count[i];
+    } else if (kind == AtomVecDCM::SPHERE || kind == AtomVecDCM::FACE) {
+      buf[m++] = area[i];
+      if (want_stress) buf[m++] = stress[i];
+    }
+  }
+  return m;
+}
+
+void PairDCMContact::unpack_reverse_comm(int n, int *list, double *buf)
+{
+  int m = 0;
+  for (int ii = 0; ii < n; ii++) {
+    const int i = list[ii], kind = dcm->kind[i];
+    if (commmode == NEIGHBORS) {
+      if (kind != AtomVecDCM::SPHERE) continue;
+      near_sum[i] += buf[m++];
+      near_count[i] += buf[m++];
+    } else if (kind == AtomVecDCM::SPHERE || kind == AtomVecDCM::FACE) {
+      area[i] += buf[m++];
+      if (want_stress) stress[i] += buf[m++];
+    }
+  }
+}
+
+int PairDCMContact::pack_forward_comm(int n, int *list, double *buf, int, int *)
+{
+  int m = 0;
+  for (int ii = 0; ii < n; ii++)
+    if (dcm->kind[list[ii]] == AtomVecDCM::SPHERE) buf[m++] = modulus[list[ii]];
+  return m;
+}
+
+void PairDCMContact::unpack_forward_comm(int n, int first, double *buf)
+{
+  int m = 0;
+  for (int i = first; i < first + n; i++)
+    if (dcm->kind[i] == AtomVecDCM::SPHERE) modulus[i] = buf[m++];
+}

@@ -1,0 +1,179 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(dcm/contact,PairDCMContact);
+// clang-format on
+#else
+
+#ifndef LMP_PAIR_DCM_CONTACT_H
+#define LMP_PAIR_DCM_CONTACT_H
+
+#include "dcm_contact.h"
+#include "dcm_friction.h"
+#include "dcm_parameters.h"
+#include "pair.h"
+
+#include <memory>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Contact of cell surfaces: face-face and face-sphere by a Maugis-Dugdale or DMT law integrated
+// over the common part of two faces, sphere-sphere by JKR (S1 "Contact model", eqs 14-16).
+// Besides forces it delivers, once per step, the contact areas and the friction blocks that
+// fix dcm/motion puts into its matrix.
+
+class PairDCMContact : public Pair {
+ public:
+  // contact area between two cells on this rank, if requested; each pair of cells once per rank
+  struct Partner {
+    tagint molecule, other;    // molecule < other
+    double area;
+  };
+
+  // of the last step on this rank
+  struct Counters {
+    bigint pairs = 0;       // pairs in the neighbor list
+    bigint contacts = 0;    // of them in contact
+    double area = 0.0;      // total contact area
+    double overlap = 0.0;   // largest overlap of faces
+    double seconds = 0.0;   // wall time of compute()
+    double list_seconds = 0.0;    // of it, sorting a new neighbor list
+  };
+
+  PairDCMContact(class LAMMPS *);
+  ~PairDCMContact() override;
+  void compute(int, int) override;
+  void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  double init_one(int, int) override;
+  void write_restart(FILE *) override;
+  void read_restart(FILE *) override;
+  int pack_forward_comm(int, int *, double *, int, int *) override;
+  void unpack_forward_comm(int, int, double *) override;
+  int pack_reverse_comm(int, int, double *) override;
+  void unpack_reverse_comm(int, int *, double *) override;
+  void *extract(const char *, int &) override;
+  double memory_usage() override;
+
+  // friction of this step; local atom indices, owned or ghost; recorded while a fix dcm/motion
+  // exists or after request_blocks()
+  const std::vector<dcm::ContactBlock> &contact_blocks() const { return contacts; }
+  const std::vector<dcm::EdgeBlock> &sphere_blocks() const { return spheres; }
+
+  // contact area of faces and spheres, per atom; owned atoms: summed over ranks
+  const double *contact_area() const { return area.data(); }
+
+  // ask in init(), every run: normal contact force per face or sphere (compression positive),
+  // contact area per pair of cells, friction blocks
+  void request_stress() { want_stress = true; }
+  void request_partners() { want_partners = true; }
+  void request_blocks() { want_blocks = true; }
+  const double *normal_force() const { return stress.data(); }
+  const std::vector<Partner> &partners() const { return partner_list; }
+
+  const Counters &counters() const { return count; }
+  double h0() const { return h0_used; }
+  double range() const { return range_used; }
+
+ private:
+  enum Law { DMT, MAUGIS };
+  enum CommMode { SUMS, NEIGHBORS, MODULUS };
+
+  // settings; what is derived from the mesh is derived once and kept, also over restarts, so that
+  // a run continues unchanged
+
+  struct Settings {
+    int law = DMT, history = 0, points = 2, concave = 0, h0_auto = 1;
+    double h0 = 0.02, rmax = 10.0;
+    double range = 0.0, maxoverlap = 0.0;    // 0: choose
+  } set;
+  double h0_used = 0.0, range_used = 0.0, overlap_used = 0.0;
+  bool warned_h0 = false;
+
+  struct TypeInfo {
+    bool used = false;      // has a cell type, not NULL
+    int kind = 0;           // the one kind its atoms have, 0: no atoms yet
+    bool active = false;    // its atoms take part in contacts
+    double radius = 0.0;    // largest radius (contact range not included)
+    double promise = 0.0;   // largest radius the neighbor list is built for
+    double E = 0.0, nu = 0.0, gn = 0.0, gt = 0.0, a[4] = {0.0, 0.0, 0.0, 0.0};
+  };
+
+  std::unique_ptr<DCMParameters> parameters;
+  struct DCMAtoms *dcm;
+  class FixDCMCell *fix_cell;
+  class FixNeighHistory *fix_history;
+  std::vector<TypeInfo> types;                 // [1..ntypes]
+  std::vector<dcm::ContactMaterial> table;     // class x class, class = 4 (type - 1) + region
+  int nclass;
+  bool have_spheres, have_faces, any_apparent, use_history;
+  bool want_stress, want_partners, want_blocks;
+  double mean_edge, face_radius_max, own_cutoff;
+  bigint built, checked_step, checked_atoms;
+
+  // pairs of the neighbor list, sorted by kind at each rebuild
+
+  struct FacePair {
+    int f, g;    // indices into FixDCMCell::faces
+  };
+  struct SpherePair {
+    int i, j;    // local atoms; face-sphere: i = index into FixDCMCell::faces
+  };
+  std::vector<FacePair> face_pairs;
+  std::vector<SpherePair> mixed_pairs, sphere_pairs;
+  std::vector<int *> face_touch, mixed_touch, sphere_touch;    // in contact before, from history
+  std::vector<int> used_faces;                                 // faces that stand in some pair
+
+  // per face of FixDCMCell, this step
+
+  std::vector<dcm::FaceGeometry> geometry;
+  std::vector<int> face_class;
+  std::vector<double> rmax_cell;
+
+  std::vector<double> area, stress, modulus, near_sum, near_count;    // per atom
+  std::vector<dcm::ContactBlock> contacts;
+  std::vector<dcm::EdgeBlock> spheres;
+  std::vector<Partner> partner_list;
+  Counters count;
+  CommMode commmode;
+
+  void allocate();
+  void scan_types();
+  void measure_mesh();
+  void choose_lengths();
+  void read_types();
+  void exclude_types();
+  void set_cutoff();
+  void setup_history();
+
+  void sort_pairs();
+  void add_pair(int, int, int *);
+  void check_radii();
+  void make_faces();
+  template <class State> void dispatch_points();
+  template <class State, int POINTS> void dispatch_history();
+  template <class State, int POINTS, bool HISTORY> void compute_faces();
+  template <class State, int POINTS, bool HISTORY> void compute_mixed();
+  void compute_moduli();
+  void compute_spheres(int);
+  void add_partner(tagint, tagint, double);
+  void merge_partners();
+  void check_start();
+  [[noreturn]] void fail_pair(int, int, double, double);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

@@ -1,0 +1,459 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+// pair style dcm/contact: settings, types, neighbor list and ghost cutoff, checks at the start
+
+#include "pair_dcm_contact.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_jkr.h"
+#include "error.h"
+#include "fix.h"
+#include "fix_dcm_cell.h"
+#include "fix_neigh_history.h"
+#include "force.h"
+#include "memory.h"
+#include "modify.h"
+#include "neigh_request.h"
+#include "neighbor.h"
+#include "utils.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+
+static const std::string STYLE = "Pair style dcm/contact";
+static constexpr int NREGION = AtomVecDCM::NREGION;
+
+// a face may grow by this factor within a run, a sphere only if something makes cells grow
+
+static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
+
+// in mean edge lengths: `h0 auto`, the limit of a resolved h0, default range (see the doc page)
+
+static constexpr double H0_AUTO = 0.07, H0_RESOLVED = 0.06, RANGE = 0.5;
+
+/* ---------------------------------------------------------------------- */
+
+PairDCMContact::PairDCMContact(LAMMPS *lmp) :
+    Pair(lmp), parameters(std::make_unique<DCMParameters>(lmp, STYLE)), dcm(nullptr),
+    fix_cell(nullptr), fix_history(nullptr), nclass(0), have_spheres(false), have_faces(false),
+    any_apparent(false), use_history(false), want_stress(false), want_partners(false),
+    want_blocks(false), mean_edge(0.0), face_radius_max(0.0), own_cutoff(0.0), built(-1),
+    checked_step(-1), checked_atoms(-1), commmode(SUMS)
+{
+  AtomVecDCM::require(lmp, STYLE);
+  single_enable = 0;
+  one_coeff = 1;
+  manybody_flag = 1;    // forces of a pair act on up to six atoms
+  finitecutflag = 1;
+  beyond_contact = 1;    // a neck outlives the overlap: history is kept for all listed pairs
+  centroidstressflag = CENTROID_NOTAVAIL;
+  comm_forward = 1;
+  comm_reverse = 2;
+  nextra = 4;
+  pvector = new double[nextra]();
+
+  // placeholder for the contact history, so that it keeps this place in the list of fixes
+
+  modify->add_fix("NEIGH_HISTORY_DCM_DUMMY all DUMMY");
+}
+
+PairDCMContact::~PairDCMContact()
+{
+  if (copymode) return;
+  modify->delete_fix(fix_history ? "NEIGH_HISTORY_DCM" : "NEIGH_HISTORY_DCM_DUMMY");
+  delete[] pvector;
+  if (allocated) {
+    memory->destroy(setflag);
+    memory->destroy(cutsq);
+  }
+}
+
+void PairDCMContact::allocate()
+{
+  allocated = 1;
+  const int n = atom->ntypes + 1;
+  memory->create(setflag, n, n, "pair:setflag");
+  memory->create(cutsq, n, n, "pair:cutsq");
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) setflag[i][j] = 0;
+}
+
+/* ----------------------------------------------------------------------
+   global settings; lengths already derived from the mesh stay, unless the
+   deck changes what they derive from
+------------------------------------------------------------------------- */
+
+void PairDCMContact::settings(int narg, char **arg)
+{
+  Settings now;
+  auto choose = [&](const char *key, const char *text, const std::vector<std::string> &names) {
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end())
+      error->all(FLERR, "{}: {} is {}, must be one of: {}", STYLE, key, text,
+                 utils::join_words(names, " "));
+    return (int) (found - names.begin());
+  };
+
+  for (int iarg = 0; iarg < narg; iarg += 2) {
+    const std::string key = arg[iarg];
+    if (iarg + 2 > narg) error->all(FLERR, "{}: keyword {} needs a value", STYLE, key);
+    const char *text = arg[iarg + 1];
+    if (key == "law") {
+      now.law = choose("law", text, {"dmt", "maugis"});
+    } else if (key == "branch") {
+      now.history = choose("branch", text, {"cutoff", "history"});
+    } else if (key == "concave") {
+      now.concave = choose("concave", text, {"flat", "negative"});
+    } else if (key == "points") {
+      now.points = utils::inumeric(FLERR, text, false, lmp);
+      if (now.points < 1 || now.points > 4)
+        error->all(FLERR, "{}: points is {}, must be 1 to 4", STYLE, now.points);
+    } else if (key == "h0") {
+      now.h0_auto = strcmp(text, "auto") == 0;
+      if (now.h0_auto) {
+        iarg++;
+        if (iarg + 2 > narg) error->all(FLERR, "{}: keyword h0 auto needs a value", STYLE);
+        text = arg[iarg + 1];
+      }
+      now.h0 = parameters->number("h0", text, DCMParameters::POSITIVE);
+    } else if (key == "rmax") {
+      now.rmax = parameters->number("rmax", text, DCMParameters::POSITIVE);
+      if (now.rmax < 1.0)
+        error->all(FLERR, "{}: rmax is {}, must be at least 1 (a round cell)", STYLE, now.rmax);
+    } else if (key == "range") {
+      now.range = parameters->number("range", text, DCMParameters::POSITIVE);
+    } else if (key == "maxoverlap") {
+      now.maxoverlap = parameters->number("maxoverlap", text, DCMParameters::POSITIVE);
+    } else {
+      error->all(FLERR,
+                 "{}: unknown keyword {}; known: law branch points h0 rmax range concave "
+                 "maxoverlap",
+                 STYLE, key);
+    }
+  }
+  if (now.history && now.law != MAUGIS)
+    error->all(FLERR, "{}: branch history is for law maugis; law dmt has no neck to remember",
+               STYLE);
+  if (now.h0_auto != set.h0_auto || now.h0 != set.h0) h0_used = 0.0;
+  if (now.range != set.range || h0_used == 0.0) range_used = 0.0;
+  set = now;
+}
+
+/* ----------------------------------------------------------------------
+   pair_coeff * * FILE name1 ... nameN [keyword value ...]
+------------------------------------------------------------------------- */
+
+void PairDCMContact::coeff(int narg, char **arg)
+{
+  if (!allocated) allocate();
+  if (narg < 3 || strcmp(arg[0], "*") != 0 || strcmp(arg[1], "*") != 0)
+    error->all(FLERR, "{}: expected 'pair_coeff * * FILE name1 ... nameN [keyword value ...]'",
+               STYLE);
+  static const std::vector<std::string> known = {
+      "E_contact", "nu_contact", "W", "friction_normal", "friction_tangential", "a1",
+      "a2",        "a3",         "a4"};
+  parameters = std::make_unique<DCMParameters>(lmp, STYLE);
+  int iarg = 2 + parameters->parse(narg - 2, arg + 2, atom->ntypes);
+  while (iarg < narg) {
+    const int used = parameters->parse_keyword(narg - iarg, arg + iarg, known);
+    if (!used)
+      error->all(FLERR, "{}: unknown pair_coeff keyword {}; known: {}", STYLE, arg[iarg],
+                 utils::join_words(known, " "));
+    iarg += used;
+  }
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) setflag[i][j] = 1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDCMContact::init_style()
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+  if (!force->newton_pair) error->all(FLERR, "{} needs newton on; remove 'newton off'", STYLE);
+
+  // others ask for these in their init(), which comes later
+
+  want_stress = want_partners = false;
+  want_blocks = !modify->get_fix_by_style("^dcm/motion").empty();
+  built = -1;
+
+  scan_types();
+  fix_cell = nullptr;
+  if (have_faces || !modify->get_fix_by_style("^dcm/cell$").empty())
+    fix_cell = FixDCMCell::require(lmp, STYLE);
+  measure_mesh();
+  choose_lengths();
+  read_types();
+  if (fix_cell) {
+    fix_cell->request_curvature();
+    fix_cell->set_contact_range(range_used);
+  }
+  exclude_types();
+  set_cutoff();
+  setup_history();
+}
+
+/* ----------------------------------------------------------------------
+   the one kind of atoms each type holds, and the largest sphere
+------------------------------------------------------------------------- */
+
+void PairDCMContact::scan_types()
+{
+  const int ntypes = atom->ntypes;
+  std::vector<int> seen(ntypes + 1, 0);
+  std::vector<double> radius(ntypes + 1, 0.0);
+  int nomolecule = 0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    seen[atom->type[i]] |= 1 << dcm->kind[i];
+    if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
+    radius[atom->type[i]] = std::max(radius[atom->type[i]], atom->radius[i]);
+    if (atom->molecule[i] == 0) nomolecule = 1;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, seen.data(), ntypes + 1, MPI_INT, MPI_BOR, world);
+  MPI_Allreduce(MPI_IN_PLACE, radius.data(), ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
+  MPI_Allreduce(MPI_IN_PLACE, &nomolecule, 1, MPI_INT, MPI_MAX, world);
+  if (nomolecule)
+    error->all(FLERR, "{}: a sphere has molecule ID 0; every cell needs a molecule ID of its own",
+               STYLE);
+
+  static const char *const names[] = {"none", "sphere", "center", "node", "face", "tracer"};
+  have_spheres = have_faces = false;
+  types.assign(ntypes + 1, TypeInfo());
+  for (int t = 1; t <= ntypes; t++) {
+    TypeInfo &info = types[t];
+    info.used = parameters->used(t);
+    for (int kind = AtomVecDCM::SPHERE; kind <= AtomVecDCM::TRACER; kind++) {
+      if (!(seen[t] & (1 << kind))) continue;
+      if (info.kind)
+        error->all(FLERR,
+                   "{}: atom type {} holds atoms of kind {} and of kind {}; give each kind atom "
+                   "types of its own",
+                   STYLE, t, names[info.kind], names[kind]);
+      info.kind = kind;
+    }
+    info.radius = radius[t];
+    info.active = info.used && (info.kind == 0 || info.kind == AtomVecDCM::FACE ||
+                                info.kind == AtomVecDCM::SPHERE);
+    if (info.kind == AtomVecDCM::FACE) have_faces = true;
+    if (info.used && info.kind == AtomVecDCM::SPHERE) have_spheres = true;
+  }
+}
+
+/* ----------------------------------------------------------------------
+   h0 and range, chosen once: a mesh that grows must not change them between
+   runs. Rounded, so that they do not depend on the number of ranks.
+------------------------------------------------------------------------- */
+
+static double round_up(double value)
+{
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  return std::ceil(value / unit - 1.0e-6) * unit;
+}
+
+void PairDCMContact::choose_lengths()
+{
+  std::string chosen;
+  if (!have_faces) {
+    // nothing to derive lengths from yet; spheres use neither
+    if (h0_used == 0.0) overlap_used = 0.0;
+    return;
+  }
+  if (h0_used == 0.0) {
+    h0_used = set.h0;
+    if (set.h0_auto && H0_AUTO * mean_edge > set.h0) h0_used = round_up(H0_AUTO * mean_edge);
+    if (set.h0_auto) chosen += fmt::format(", h0 {:.6g}", h0_used);
+  }
+  if (range_used == 0.0) {
+    range_used = set.range;
+    if (range_used == 0.0) {
+      range_used = std::max(round_up(RANGE * mean_edge), round_up(2.0 * h0_used));
+      chosen += fmt::format(", range {:.6g}", range_used);
+    }
+  }
+  overlap_used = set.maxoverlap > 0.0 ? set.maxoverlap : range_used;
+  if (range_used < h0_used || overlap_used > range_used)
+    error->all(FLERR, "{}: range is {}, must not be below h0 ({}) and maxoverlap ({})", STYLE,
+               range_used, h0_used, overlap_used);
+  if (!chosen.empty() && comm->me == 0)
+    utils::logmesg(lmp, "{}: mean edge {:.6g}{}\n", STYLE, mean_edge, chosen);
+  if (!warned_h0 && h0_used < H0_RESOLVED * mean_edge) {
+    warned_h0 = true;
+    if (comm->me == 0)
+      error->warning(FLERR,
+                     "{}: the range of adhesion h0 = {:.4g} is not resolved by the mesh, mean edge "
+                     "{:.4g}: contact lines may be pinned. Use h0 of at least {:.4g} (h0 auto) or "
+                     "edges of at most {:.4g}",
+                     STYLE, h0_used, mean_edge, H0_RESOLVED * mean_edge, h0_used / H0_RESOLVED);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   parameters per type, and the contact of each two classes of surface
+   (class = atom type and region) in one table
+------------------------------------------------------------------------- */
+
+void PairDCMContact::read_types()
+{
+  const int ntypes = atom->ntypes;
+  const bool growing = !modify->get_fix_by_style("^dcm/(growth|division|cycle)").empty();
+  double largest = 0.0;
+  any_apparent = false;
+  for (int t = 1; t <= ntypes; t++) {
+    TypeInfo &info = types[t];
+    if (info.kind == AtomVecDCM::FACE) info.promise = FACE_GROWTH * info.radius + 0.5 * range_used;
+    if (info.kind == AtomVecDCM::SPHERE)
+      info.promise = (growing ? SPHERE_GROWTH : 1.0) * info.radius;
+    largest = std::max(largest, info.promise);
+    if (!info.active) continue;
+    info.E = parameters->get(t, "E_contact", DCMParameters::POSITIVE);
+    info.nu = parameters->get(t, "nu_contact", DCMParameters::ANY);
+    if (!(info.nu > -1.0 && info.nu <= 0.5))
+      error->all(FLERR, "{}: nu_contact of cell type {} is {}, must be above -1 and at most 0.5",
+                 STYLE, parameters->name(t), info.nu);
+    info.gn = parameters->get(t, "friction_normal", DCMParameters::NONNEGATIVE, 0.0);
+    info.gt = parameters->get(t, "friction_tangential", DCMParameters::NONNEGATIVE, 0.0);
+    for (int k = 0; k < 4; k++) {
+      info.a[k] = parameters->get(t, fmt::format("a{}", k + 1), DCMParameters::ANY, 0.0);
+      if (info.kind == AtomVecDCM::SPHERE && info.a[k] != 0.0) any_apparent = true;
+    }
+  }
+  for (int t = 1; t <= ntypes; t++)
+    if (types[t].active && types[t].kind == 0) types[t].promise = largest;
+
+  nclass = NREGION * ntypes;
+  table.assign((size_t) nclass * nclass, dcm::ContactMaterial());
+  double neck = 0.0;
+  for (int s = 1; s <= ntypes; s++)
+    for (int t = 1; t <= ntypes; t++) {
+      const TypeInfo &a = types[s], &b = types[t];
+      if (!a.active || !b.active) continue;
+      for (int p = 0; p < NREGION; p++)
+        for (int q = 0; q < NREGION; q++) {
+          auto &m = table[(size_t) (NREGION * (s - 1) + p) * nclass + NREGION * (t - 1) + q];
+          m.E = dcm::effective_modulus(a.E, a.nu, b.E, b.nu);
+          m.W = parameters->adhesion(s, p, t, q);
+          m.h0 = h0_used > 0.0 ? h0_used : set.h0;
+          m.gn = 0.5 * (a.gn + b.gn);
+          m.gt = 0.5 * (a.gt + b.gt);
+          if (p || q || a.kind != AtomVecDCM::SPHERE || b.kind != AtomVecDCM::SPHERE) continue;
+          const dcm::JKR jkr = {m.E, dcm::effective_radius(a.promise, b.promise), m.W};
+          neck = std::max(neck, -jkr.pull_off_displacement());
+        }
+    }
+  if (neck > neighbor->skin)
+    error->all(FLERR,
+               "{}: the adhesive neck between two spheres reaches {:.4} beyond touch, but the "
+               "neighbor list only {:.4}; set 'neighbor {:.4} bin' (or multi) or more",
+               STYLE, neck, neighbor->skin, round_up(neck));
+}
+
+/* ----------------------------------------------------------------------
+   keep what never touches out of the neighbor list
+------------------------------------------------------------------------- */
+
+void PairDCMContact::exclude_types()
+{
+  const bool tracers = !modify->get_fix_by_style("^dcm/tracer").empty();
+  auto meets = [&](const TypeInfo &a, const TypeInfo &b) {
+    if (a.active && b.active) return true;
+    if (!tracers) return false;
+    return (a.kind == AtomVecDCM::TRACER && (b.kind == AtomVecDCM::FACE || b.kind == 0)) ||
+           (b.kind == AtomVecDCM::TRACER && (a.kind == AtomVecDCM::FACE || a.kind == 0));
+  };
+
+  std::vector<std::pair<int, int>> now;
+  for (int n = 0; n < neighbor->nex_type; n++)
+    now.emplace_back(std::minmax(neighbor->ex1_type[n], neighbor->ex2_type[n]));
+  for (int s = 1; s <= atom->ntypes; s++)
+    for (int t = s; t <= atom->ntypes; t++) {
+      const bool excluded = std::find(now.begin(), now.end(), std::make_pair(s, t)) != now.end();
+      const bool wanted = meets(types[s], types[t]);
+      if (excluded && wanted)
+        error->all(FLERR,
+                   "{}: types {} and {} are to interact but excluded from the neighbor list; add "
+                   "'neigh_modify exclude none' before the run",
+                   STYLE, s, t);
+      if (!excluded && !wanted) neighbor->modify_params(fmt::format("exclude type {} {}", s, t));
+    }
+
+  bool molecules = false;
+  for (int n = 0; n < neighbor->nex_mol; n++)
+    if (neighbor->ex_mol_group[n] == 0 && neighbor->ex_mol_intra[n]) molecules = true;
+  if (!molecules && have_faces) neighbor->modify_params("exclude molecule/intra all");
+}
+
+/* ----------------------------------------------------------------------
+   ghosts must reach as far as the list plus the vertices of the last face in
+   it. A deck that sets no cutoff gets this one.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::set_cutoff()
+{
+  double pair = 0.0;
+  for (const auto &info : types)
+    if (info.active) pair = std::max(pair, 2.0 * info.promise);
+  const double need = round_up(pair + neighbor->skin + FACE_GROWTH * face_radius_max);
+  const double before = own_cutoff;
+  own_cutoff = need;
+  if (!have_faces || comm->mode != Comm::SINGLE) return;
+
+  // 0: not set by the deck; equal: set here in an earlier run
+
+  if (comm->cutghostuser == 0.0 || comm->cutghostuser == before) {
+    comm->cutghostuser = need;
+    if (comm->me == 0 && need != before)
+      utils::logmesg(lmp, "{}: ghost cutoff set to {:.6g}\n", STYLE, need);
+  } else if (comm->cutghostuser < need) {
+    error->all(FLERR,
+               "{}: the ghost cutoff {:.6g} is too small, some faces would miss their vertices; "
+               "set 'comm_modify cutoff {:.6g}' or remove that command",
+               STYLE, comm->cutghostuser, need);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   who has touched whom: spheres always, faces only with branch history
+------------------------------------------------------------------------- */
+
+void PairDCMContact::setup_history()
+{
+  use_history = have_spheres || set.history;
+  neighbor->add_request(this, use_history ? NeighConst::REQ_SIZE | NeighConst::REQ_HISTORY
+                                          : NeighConst::REQ_SIZE);
+  if (use_history && !fix_history) {
+    fix_history = dynamic_cast<FixNeighHistory *>(
+        modify->replace_fix("NEIGH_HISTORY_DCM_DUMMY", "NEIGH_HISTORY_DCM all NEIGH_HISTORY 1", 1));
+    fix_history->pair = this;
+  }
+}
+
+/* ----------------------------------------------------------------------
+   types that never interact with others get a small length of their own, for
+   the bins of neighbor style multi (0 would make one bin of the box)
+------------------------------------------------------------------------- */
+
+double PairDCMContact::init_one(int i, int j)
+{
+  if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
+  if (types[i].active && types[j].active) return types[i].promise + types[j].promise;
+  const bool tracer_face =
+      (types[i].kind == AtomVecDCM::TRACER && types[j].kind == AtomVecDCM::FACE) ||
+      (types[j].kind == AtomVecDCM::TRACER && types[i].kind == AtomVecDCM::FACE);
+  if (tracer_face && !modify->get_fix_by_style("^dcm/tracer").empty())
+    return types[i].promise + types[j].promise;
+  return i == j ? mean_edge : 0.0;
+}
