@@ -1,0 +1,315 @@
+// LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
+
+// Contact of two triangles of cell surfaces, or of a triangle and a sphere (S1 "Contact model").
+// Each triangle stands for its circumscribing sphere; the stress of the contact of the two spheres
+// (law: dcm_maugis.h or dcm_dmt.h) is integrated over the common part of the two triangles,
+// projected along the axis u through the sphere centers. All forces are parallel to u and are
+// spread with barycentric weights in that projection: they balance, and so do their torques.
+//
+// A pair enters and leaves with a common part of area zero, and a face that looks away from the
+// other sphere has a projection of negative area: no test cuts a pair off at finite force, except
+// where the law itself jumps (maugis at delta = -h0).
+
+#ifndef DCM_CONTACT_H
+#define DCM_CONTACT_H
+
+#include "dcm_contact_law.h"
+#include "dcm_dmt.h"
+#include "dcm_maugis.h"
+#include "dcm_overlap.h"
+#include "dcm_radial_integral.h"
+
+namespace dcm {
+
+/// A triangle with its circumscribing sphere. What rejects a pair stands first (cache lines).
+struct FaceGeometry {
+  Vec3 center;           ///< center of the sphere
+  Vec3 n;                ///< outward unit normal; zero for a degenerate triangle
+  Vec3 mid;              ///< centroid
+  double R;              ///< radius of the sphere; negative: concave, center outside the cell
+  double reach;          ///< largest distance of a vertex from mid
+  Vec3 x[3];             ///< vertices, counter-clockwise seen from outside
+  double radius_circ;    ///< circumradius
+  double area;
+};
+
+/// Result of one contact, see face_face().
+struct ContactResult {
+  Vec3 u;                 ///< unit vector from the sphere of f to that of g, out of f
+  double delta;           ///< overlap of the spheres, > 0: compression
+  double force;           ///< along u, > 0 repulsive: g is pushed along +u, f along -u
+  double wf[3], wg[3];    ///< each sums to force: vertex k of f gets -wf[k] u, of g +wg[k] u
+  double area;            ///< part of the common polygon with r <= c
+  double bf[3], bg[3];    ///< barycentric weights (sum 1, within 0..1) of that part's centroid
+};
+
+/// Face from its vertices and the radius of its sphere (dcm_curvature.h), R < 0 for concave.
+/// The sphere passes through the three vertices. Where it cannot (|R| near or below the
+/// circumradius, as for slivers), |R| is raised and the center pulled to the normal through the
+/// middle of the triangle, continuously, so that the result is always finite.
+inline FaceGeometry make_face(const Vec3 &x0, const Vec3 &x1, const Vec3 &x2, double R)
+{
+  FaceGeometry f;
+  f.x[0] = x0;
+  f.x[1] = x1;
+  f.x[2] = x2;
+  f.mid = (x0 + x1 + x2) / 3.0;
+  const Vec3 u = x1 - x0, v = x2 - x0;
+  const Vec3 m = u.cross(v);
+  const double mm = m.squaredNorm(), uu = u.squaredNorm(), vv = v.squaredNorm();
+  const double twice = std::sqrt(mm);
+  f.area = 0.5 * twice;
+  f.reach = std::sqrt(std::max((x0 - f.mid).squaredNorm(),
+                               std::max((x1 - f.mid).squaredNorm(), (x2 - f.mid).squaredNorm())));
+  f.R = R;
+  if (!(mm > 1e-24 * uu * vv)) {
+    f.n.setZero();
+    f.center = f.mid;
+    f.radius_circ = f.reach;
+    return f;
+  }
+  f.n = m / twice;
+  const Vec3 w = (vv * m.cross(u) - uu * m.cross(v)) / (2.0 * mm);
+  f.radius_circ = w.norm();
+  Vec3 foot = x0 + w;
+  double rho2 = f.radius_circ * f.radius_circ;
+  const double size = std::fabs(R);
+  if (rho2 > 0.75 * size * size) {
+    // least squares instead of exact: the foot moves at most R/2 away from the middle
+    const Vec3 off = foot - f.mid;
+    const double len = off.norm();
+    if (len > 0.5 * size) foot = f.mid + off * (0.5 * size / len);
+    rho2 =
+        ((x0 - foot).squaredNorm() + (x1 - foot).squaredNorm() + (x2 - foot).squaredNorm()) / 3.0;
+    const double raised = std::sqrt(std::max(size * size, rho2 / 0.75));
+    f.R = R < 0.0 ? -raised : raised;
+  }
+  const double depth = std::sqrt(std::max(0.0, f.R * f.R - rho2));
+  f.center = foot - (f.R < 0.0 ? -depth : depth) * f.n;
+  return f;
+}
+
+namespace detail {
+
+  /// The same face seen as convex: a concave sphere mirrored through the plane of the face.
+  inline void mirror(const FaceGeometry &f, Vec3 &center, double &R)
+  {
+    center = f.center - 2.0 * f.n * f.n.dot(f.center - f.mid);
+    R = -f.R;
+  }
+
+  /// Two unit vectors that make a right-handed frame with u (Duff et al. 2017).
+  inline void frame(const Vec3 &u, Vec3 &e1, Vec3 &e2)
+  {
+    const double sign = std::copysign(1.0, u[2]);
+    const double p = -1.0 / (sign + u[2]);
+    const double q = u[0] * u[1] * p;
+    e1 = Vec3(1.0 + sign * u[0] * u[0] * p, sign * q, -sign * u[0]);
+    e2 = Vec3(q, sign + u[1] * u[1] * p, -u[1]);
+  }
+
+  /// Projection relative to the axis; flip: keep counter-clockwise a face seen from inside.
+  inline void project(const FaceGeometry &f, const Vec3 &origin, const Vec3 &e1, const Vec3 &e2,
+                      bool flip, Triangle2 &t)
+  {
+    for (int k = 0; k < 3; k++) {
+      const Vec3 d = f.x[k] - origin;
+      const int i = flip ? (3 - k) % 3 : k;
+      t.x[i] = d.dot(e1);
+      t.y[i] = d.dot(e2);
+    }
+  }
+
+  /// Integral of (barycentric weight k) x density, from integral and moments of the density.
+  inline void barycentric(const Triangle2 &t, double inv2area, double f, double mx, double my,
+                          double w[3])
+  {
+    // moments about a corner: the axis may be far from the triangle
+    const double ux = t.x[1] - t.x[0], uy = t.y[1] - t.y[0];
+    const double vx = t.x[2] - t.x[0], vy = t.y[2] - t.y[0];
+    const double px = mx - f * t.x[0], py = my - f * t.y[0];
+    w[1] = (px * vy - py * vx) * inv2area;
+    w[2] = (ux * py - uy * px) * inv2area;
+    w[0] = f - w[1] - w[2];
+  }
+
+  /// The same for the centroid of an area inside the triangle: weights in [0, 1], sum 1.
+  inline void centroid_weights(const Triangle2 &t, double inv2area, const RadialSums &s,
+                               double b[3])
+  {
+    const double inv = 1.0 / s.area;
+    barycentric(t, inv2area, 1.0, s.ax * inv, s.ay * inv, b);
+    double total = 0.0;
+    for (int k = 0; k < 3; k++) {
+      b[k] = std::min(1.0, std::max(0.0, b[k]));
+      total += b[k];
+    }
+    for (int k = 0; k < 3; k++) b[k] /= total;
+  }
+
+  inline void unflip(double w[3])
+  {
+    std::swap(w[1], w[2]);
+  }
+
+  // projections smaller than this part of their squared size are seen edge-on: no area, no force
+  constexpr double EDGE_ON = 1e-9;
+
+  inline bool edge_on(double twice_area, double reach)
+  {
+    return !(twice_area > EDGE_ON * reach * reach);
+  }
+
+}    // namespace detail
+
+/// Contact of two faces.
+/// \param npoints  Gauss points per edge piece inside the core of the contact, 1 to 4
+/// \param existing the pair was in contact before: law maugis then keeps its neck below -h0
+/// \return false, cheaply, where there is none: faces that look away from each other, are too far,
+///         do not overlap in projection, or whose sphere centers coincide (no axis)
+///
+/// A concave face (R < 0) meets a convex one of less than half its radius as a ball in a cavity:
+/// axis out of the cavity's wall, delta = R_f + R_g + d, 1/R = 1/R_f + 1/R_g. Where that does not
+/// define a point contact (conforming radii, two concave faces) the concave face counts as convex
+/// with the same |R|.
+template <class State>
+bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMaterial &mat,
+               int npoints, ContactResult &out, bool existing = false)
+{
+  Vec3 cf = f.center, cg = g.center;
+  double Rf = f.R, Rg = g.R;
+  double sense = 1.0;
+  if (Rf < 0.0 || Rg < 0.0) {
+    if (Rf < 0.0 && Rg > 0.0 && -Rf > 2.0 * Rg)
+      sense = -1.0;
+    else if (Rg < 0.0 && Rf > 0.0 && -Rg > 2.0 * Rf)
+      sense = -1.0;
+    else {
+      if (Rf < 0.0) detail::mirror(f, cf, Rf);
+      if (Rg < 0.0) detail::mirror(g, cg, Rg);
+    }
+  }
+  const Vec3 axis = sense * (cg - cf);
+  // written so that NaN fails each test
+  if (!(f.n.dot(axis) > 0.0 && g.n.dot(axis) < 0.0)) return false;
+
+  const double d2 = axis.squaredNorm();
+  const Vec3 dm = g.mid - f.mid;
+  const double along = dm.dot(axis);
+  const double bound = f.reach + g.reach;
+  if (!(dm.squaredNorm() * d2 - along * along < bound * bound * d2)) return false;
+  const double d = std::sqrt(d2);
+  if (!(d > 1e-12 * (std::fabs(Rf) + std::fabs(Rg)))) return false;
+  const double delta = Rf + Rg - sense * d;
+  if (!existing && !(delta > mat.first_touch())) return false;
+  const Vec3 u = axis / d;
+
+  // distance of the nearer triangle from the axis against the largest possible contact radius
+  const double R = Rf * Rg / (Rf + Rg);
+  const Vec3 of = f.mid - cf, og = g.mid - cf;
+  const double ofu = of.dot(u), ogu = og.dot(u);
+  if (!existing) {
+    const double cmax = State::reach(mat, R, delta);
+    const double lf = cmax + f.reach, lg = cmax + g.reach;
+    if (!(of.squaredNorm() - ofu * ofu < lf * lf && og.squaredNorm() - ogu * ogu < lg * lg))
+      return false;
+  }
+
+  Vec3 e1, e2;
+  detail::frame(u, e1, e2);
+  Triangle2 tf, tg;
+  detail::project(f, cf, e1, e2, false, tf);
+  detail::project(g, cf, e1, e2, true, tg);
+  const double af = tf.twice_area(), ag = tg.twice_area();
+  if (detail::edge_on(af, f.reach) || detail::edge_on(ag, g.reach)) return false;
+  Boundary2 poly;
+  if (!triangle_overlap(tf, tg, poly)) return false;
+
+  State state;
+  if (!state.set(mat, R, delta, existing)) return false;
+  RadialSums sum;
+  radial_integral(state, poly, npoints, sum);
+  if (!(sum.area > 0.0)) return false;
+
+  out.u = u;
+  out.delta = delta;
+  out.force = sum.force;
+  out.area = sum.area;
+  const double iaf = 1.0 / af, iag = 1.0 / ag;
+  detail::barycentric(tf, iaf, sum.force, sum.mx, sum.my, out.wf);
+  detail::barycentric(tg, iag, sum.force, sum.mx, sum.my, out.wg);
+  detail::centroid_weights(tf, iaf, sum, out.bf);
+  detail::centroid_weights(tg, iag, sum, out.bg);
+  detail::unflip(out.wg);
+  detail::unflip(out.bg);
+  return true;
+}
+
+/// Contact of a face and a whole sphere (centre-based cell): as face_face() without a triangle on
+/// the other side. The sphere gets +force u at its center: wg = {force, 0, 0}, bg = {1, 0, 0}.
+/// A single face is pushed off-axis, so its torque is balanced only in the sum over the faces under
+/// the sphere (exactly where they share one sphere). Concave faces: as in face_face().
+template <class State>
+bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
+                 const ContactMaterial &mat, int npoints, ContactResult &out, bool existing = false)
+{
+  if (!(radius > 0.0)) return false;
+  Vec3 cf = f.center;
+  double Rf = f.R;
+  double sense = 1.0;
+  if (Rf < 0.0) {
+    if (-Rf > 2.0 * radius)
+      sense = -1.0;
+    else
+      detail::mirror(f, cf, Rf);
+  }
+  const Vec3 axis = sense * (center - cf);
+  if (!(f.n.dot(axis) > 0.0)) return false;
+  const double d = axis.norm();
+  if (!(d > 1e-12 * (std::fabs(Rf) + radius))) return false;
+  const double delta = Rf + radius - sense * d;
+  if (!existing && !(delta > mat.first_touch())) return false;
+  const Vec3 u = axis / d;
+
+  const double R = Rf * radius / (Rf + radius);
+  if (!existing) {
+    const Vec3 of = f.mid - cf;
+    const double ofu = of.dot(u);
+    const double lf = State::reach(mat, R, delta) + f.reach;
+    if (!(of.squaredNorm() - ofu * ofu < lf * lf)) return false;
+  }
+
+  Vec3 e1, e2;
+  detail::frame(u, e1, e2);
+  Triangle2 tf;
+  detail::project(f, cf, e1, e2, false, tf);
+  const double af = tf.twice_area();
+  if (detail::edge_on(af, f.reach)) return false;
+
+  State state;
+  if (!state.set(mat, R, delta, existing)) return false;
+  Boundary2 poly;
+  for (int k = 0; k < 3; k++) {
+    const int kn = (k + 1) % 3;
+    poly.add(tf.x[k], tf.y[k], tf.x[kn], tf.y[kn]);
+  }
+  RadialSums sum;
+  radial_integral(state, poly, npoints, sum);
+  if (!(sum.area > 0.0)) return false;
+
+  out.u = u;
+  out.delta = delta;
+  out.force = sum.force;
+  out.area = sum.area;
+  detail::barycentric(tf, 1.0 / af, sum.force, sum.mx, sum.my, out.wf);
+  detail::centroid_weights(tf, 1.0 / af, sum, out.bf);
+  out.wg[0] = sum.force;
+  out.wg[1] = out.wg[2] = 0.0;
+  out.bg[0] = 1.0;
+  out.bg[1] = out.bg[2] = 0.0;
+  return true;
+}
+
+}    // namespace dcm
+
+#endif

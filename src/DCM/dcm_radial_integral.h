@@ -1,0 +1,180 @@
+// LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
+
+// Integral of a radial stress and of its first moments over a polygon, by the polygon's edges:
+// with the primitives Q0 = int p s ds, Q1 = int p s^2 ds and t = angle around the axis
+//
+//   int p dA = sum over edges int Q0(r) dt,   int p x dA = sum over edges int Q1(r) (cos, sin) dt.
+//
+// Edges are split where they cross r = a and r = c. Beyond c and in the ring a < r <= c the edge
+// integrals have closed forms; only pieces in the core r < a need Gauss points, and there
+// dt = cross(p0, p1)/r^2 ds with Q0/r^2 and Q1/r^3 regular, so an edge through the axis is nothing
+// special. Edges shared by two polygons cancel to round-off whatever the number of points.
+
+#ifndef DCM_RADIAL_INTEGRAL_H
+#define DCM_RADIAL_INTEGRAL_H
+
+#include "dcm_contact_law.h"
+#include "dcm_overlap.h"
+
+namespace dcm {
+
+/// Integrals over a polygon: stress and uniform density 1 inside r <= c, with first moments.
+struct RadialSums {
+  double force = 0.0, mx = 0.0, my = 0.0;    ///< int p dA, int p x dA, int p y dA
+  double area = 0.0, ax = 0.0, ay = 0.0;     ///< int dA, int x dA, int y dA over r <= c
+};
+
+namespace detail {
+
+  /// Gauss-Legendre nodes and weights on (0, 1), 1 to 4 points.
+  inline void gauss_rule(int n, const double *&x, const double *&w)
+  {
+    static constexpr double node[4][4] = {
+        {0.5, 0.0, 0.0, 0.0},
+        {0.21132486540518711775, 0.78867513459481288225, 0.0, 0.0},
+        {0.11270166537925831148, 0.5, 0.88729833462074168852, 0.0},
+        {0.06943184420297371239, 0.33000947820757186760, 0.66999052179242813240,
+         0.93056815579702628761}};
+    static constexpr double weight[4][4] = {{1.0, 0.0, 0.0, 0.0},
+                                            {0.5, 0.5, 0.0, 0.0},
+                                            {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0, 0.0},
+                                            {0.17392742256872692869, 0.32607257743127307131,
+                                             0.32607257743127307131, 0.17392742256872692869}};
+    const int i = n < 1 ? 0 : (n > 4 ? 3 : n - 1);
+    x = node[i];
+    w = weight[i];
+  }
+
+  /// The part lo..hi of [0, 1] where |p0 + s d|^2 < radius^2; false if none.
+  inline bool inside_circle(double b, double len2, double cross2, double radius, double &lo,
+                            double &hi)
+  {
+    const double disc = len2 * radius * radius - cross2;
+    if (!(disc > 0.0)) return false;
+    const double root = std::sqrt(disc), inv = 1.0 / len2;
+    lo = std::max(0.0, (-b - root) * inv);
+    hi = std::min(1.0, (-b + root) * inv);
+    return lo < hi;
+  }
+
+  /// Sums over the pieces of one kind on one edge, for an integrand with constant Q0 and Q1: the
+  /// pieces' angles add up to less than pi, so one complex product and one arc tangent serve them.
+  struct Fan {
+    double re = 1.0, im = 0.0, ux = 0.0, uy = 0.0;
+
+    /// piece from p to q, cross = p x q
+    void add(double px, double py, double qx, double qy, double cross)
+    {
+      const double dot = px * qx + py * qy;
+      const double nre = re * dot - im * cross;
+      im = re * cross + im * dot;
+      re = nre;
+      const double ip = 1.0 / std::sqrt(px * px + py * py);
+      const double iq = 1.0 / std::sqrt(qx * qx + qy * qy);
+      ux += qy * iq - py * ip;
+      uy -= qx * iq - px * ip;
+    }
+
+    void collect(double q0, double q1, double &f, double &mx, double &my) const
+    {
+      f += q0 * angle(im, re);
+      mx += q1 * ux;
+      my += q1 * uy;
+    }
+  };
+
+}    // namespace detail
+
+/// Add the integrals over the polygon with the given boundary; coordinates relative to the axis.
+/// \param npoints Gauss points per piece of edge in the core, 1 to 4
+template <class State>
+inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, RadialSums &sum)
+{
+  const double *node, *weight;
+  detail::gauss_rule(npoints, node, weight);
+  npoints = npoints < 1 ? 1 : (npoints > 4 ? 4 : npoints);
+
+  const double a2 = s.a * s.a, c2 = s.c * s.c;
+  const double ring0 = s.Q0a + 0.5 * s.sigma0 * a2;
+  const double ring1 = s.Q1a + s.sigma0 * a2 * s.a / 3.0;
+
+  for (int e = 0; e < poly.n; e++) {
+    const double x0 = poly.x0[e], y0 = poly.y0[e], x1 = poly.x1[e], y1 = poly.y1[e];
+    const double dx = x1 - x0, dy = y1 - y0;
+    const double len2 = dx * dx + dy * dy;
+    if (!(len2 > 0.0)) continue;
+    const double cross = x0 * dy - y0 * dx;
+    const double b = x0 * dx + y0 * dy;
+
+    double lo, hi;
+    if (!detail::inside_circle(b, len2, cross * cross, s.c, lo, hi)) {
+      detail::Fan out;
+      out.add(x0, y0, x1, y1, cross);
+      out.collect(s.Q0c, s.Q1c, sum.force, sum.mx, sum.my);
+      out.collect(0.5 * c2, c2 * s.c / 3.0, sum.area, sum.ax, sum.ay);
+      continue;
+    }
+
+    // lx..hx: the piece within c
+    const double lx = x0 + lo * dx, ly = y0 + lo * dy, hx = x0 + hi * dx, hy = y0 + hi * dy;
+    if (lo > 0.0 || hi < 1.0) {
+      detail::Fan out;
+      if (lo > 0.0) out.add(x0, y0, lx, ly, cross * lo);
+      if (hi < 1.0) out.add(hx, hy, x1, y1, cross * (1.0 - hi));
+      out.collect(s.Q0c, s.Q1c, sum.force, sum.mx, sum.my);
+      out.collect(0.5 * c2, c2 * s.c / 3.0, sum.area, sum.ax, sum.ay);
+    }
+    const double within = cross * (hi - lo);
+    sum.area += 0.5 * within;
+    sum.ax += within * (lx + hx) / 6.0;
+    sum.ay += within * (ly + hy) / 6.0;
+
+    double la = 0.0, ha = 0.0;
+    const bool core = a2 > 0.0 && detail::inside_circle(b, len2, cross * cross, s.a, la, ha);
+    if (!core) {
+      detail::Fan ring;
+      if (a2 > 0.0) ring.add(lx, ly, hx, hy, within);
+      ring.collect(ring0, ring1, sum.force, sum.mx, sum.my);
+      sum.force -= 0.5 * s.sigma0 * within;
+      sum.mx -= s.sigma0 * within * (lx + hx) / 6.0;
+      sum.my -= s.sigma0 * within * (ly + hy) / 6.0;
+      continue;
+    }
+    if (la > lo || ha < hi) {
+      detail::Fan ring;
+      const double px = x0 + la * dx, py = y0 + la * dy, qx = x0 + ha * dx, qy = y0 + ha * dy;
+      if (la > lo) {
+        const double part = cross * (la - lo);
+        ring.add(lx, ly, px, py, part);
+        sum.force -= 0.5 * s.sigma0 * part;
+        sum.mx -= s.sigma0 * part * (lx + px) / 6.0;
+        sum.my -= s.sigma0 * part * (ly + py) / 6.0;
+      }
+      if (ha < hi) {
+        const double part = cross * (hi - ha);
+        ring.add(qx, qy, hx, hy, part);
+        sum.force -= 0.5 * s.sigma0 * part;
+        sum.mx -= s.sigma0 * part * (hx + qx) / 6.0;
+        sum.my -= s.sigma0 * part * (hy + qy) / 6.0;
+      }
+      ring.collect(ring0, ring1, sum.force, sum.mx, sum.my);
+    }
+
+    const double span = ha - la;
+    for (int i = 0; i < npoints; i++) {
+      const double t = la + span * node[i];
+      const double x = x0 + t * dx, y = y0 + t * dy;
+      const double rr = std::min(x * x + y * y, a2);
+      double q0, q1;
+      s.core(rr, q0, q1);
+      const double w = weight[i] * span * cross;
+      sum.force += w * q0;
+      sum.mx += w * q1 * x;
+      sum.my += w * q1 * y;
+    }
+  }
+}
+
+}    // namespace dcm
+
+#endif
