@@ -1,2 +1,54 @@
-"""lammps_dcm: scenes, trajectories, analyses and pictures of deformable cells in LAMMPS."""
+"""lammps_dcm: scenes, trajectories, analyses and pictures of deformable cells in LAMMPS.
+
+    import lammps_dcm
+    u = lammps_dcm.load("data.cells", "cells.dump")
+    volume = lammps_dcm.CellVolume(u).run().results.volume     # (frames, cells), um^3
+"""
 __version__ = "0.1.0"
+
+_HOME = {"CellVolume": "analysis", "CellPressure": "analysis", "FaceArea": "analysis",
+         "CellContacts": "analysis", "read_data": "topology", "DumpFile": "reader"}
+
+
+def load(data=None, dump=None, dt=1.0, scan="auto", rename=None):
+    """MDAnalysis Universe of a data file, a `dump custom` text file, or both.
+
+    data: data file of `atom_style dcm`; it gives kinds, faces, bonds and rest volumes. Without
+    it they come from dump columns of the names used in a data file (mol type kind radius v1 v2 v3
+    region volume0), as far as they are there.
+    dump: trajectory; atoms may come and go, absent ones have NaN positions. LAMMPS writes six
+    digits by default: use `dump_modify ID format float %.15g` where volumes must be exact.
+    dt: length of a step, s. scan: "auto" or "all", how many frames are searched for new atom IDs.
+    rename: dict of dump column -> name to use, such as {"c_face[2]": "contact_area"}.
+    """
+    import MDAnalysis
+    import numpy as np
+
+    from .reader import DCMDataReader, DCMDumpReader, DumpFile, merge_atoms
+    from .topology import make_topology, read_data
+
+    if data is None and dump is None:
+        raise ValueError("load() needs a data file, a dump or both")
+    contents = None if data is None else read_data(data)
+    masses, sections = (contents.masses, contents.sections) if contents else ({}, {})
+    if dump is None:
+        top = make_topology(contents.atoms, masses, sections.get("Bonds"),
+                            sections.get("Dihedrals"))
+        return MDAnalysis.Universe(top, str(data), format=DCMDataReader)
+    file = DumpFile(dump, rename)
+    ids = file.ids(scan)
+    if contents:
+        ids = np.union1d(ids, contents.atoms["id"])
+    top = make_topology(merge_atoms(contents and contents.atoms, file, ids), masses,
+                        sections.get("Bonds"), sections.get("Dihedrals"))
+    file.close()
+    return MDAnalysis.Universe(top, str(dump), format=DCMDumpReader, ids=ids, dt=dt, rename=rename)
+
+
+def __getattr__(name):
+    """Import the analysis classes when first used: MDAnalysis takes seconds to load."""
+    if name in _HOME:
+        from importlib import import_module
+
+        return getattr(import_module(f".{_HOME[name]}", __name__), name)
+    raise AttributeError(f"module 'lammps_dcm' has no attribute '{name}'")

@@ -1,0 +1,348 @@
+"""Pictures of a frame: surfaces of deformable cells and spheres, without a display.
+
+VTK (through pyvista) draws where it can; elsewhere matplotlib does, slower and plainer.
+"""
+import multiprocessing
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from . import load
+from .analysis import Cells, CellPressure, Mesh, triangle_vectors
+from .topology import FACE, REGION_NAMES, SPHERE, TRACER
+
+VIEWS = {"xy": (0, 0, 1), "xz": (0, -1, 0), "yz": (1, 0, 0), "iso": (1, -1, 0.8)}
+UP = {"xy": (0, 1, 0), "xz": (0, 0, 1), "yz": (0, 0, 1), "iso": (0, 0, 1)}
+PALETTE = ["#4c78a8", "#f58518", "#54a24b", "#e45756", "#72b7b2", "#eeca3b", "#b279a2", "#ff9da6",
+           "#9d755d", "#bab0ac"]
+GREY = 0.75
+
+
+@dataclass
+class Picture:
+    """What to draw. points (n, 3) um and triangles (m, 3) rows of points: the surfaces; centers
+    (s, 3), radii (s,) um: spheres; dots (t, 3): tracers; face_rgb (m, 3), sphere_rgb (s, 3);
+    bar: None or (title, low, high) of a color scale; legend: dict of label -> color; title."""
+
+    points: np.ndarray
+    triangles: np.ndarray
+    centers: np.ndarray
+    radii: np.ndarray
+    dots: np.ndarray
+    face_rgb: np.ndarray
+    sphere_rgb: np.ndarray
+    bar: tuple
+    legend: dict
+    title: str
+
+
+def categories(face_values, sphere_values, label, called=None):
+    """Palette colors of values: ((m, 3), (s, 3), legend of at most ten); called: value -> name."""
+    from matplotlib.colors import to_rgb
+
+    names, at = np.unique(np.append(face_values, sphere_values).astype(str), return_inverse=True)
+    order = sorted(range(len(names)), key=lambda k: (len(names[k]), names[k]))
+    rank = np.argsort(order)
+    rgb = np.array([to_rgb(PALETTE[r % len(PALETTE)]) for r in rank]).reshape(-1, 3)[at]
+    legend = {(called or {}).get(names[k], f"{label} {names[k]}".strip()): PALETTE[n]
+              for n, k in enumerate(order)} if len(names) <= len(PALETTE) else {}
+    return rgb[:len(face_values)], rgb[len(face_values):], legend
+
+
+def scale(face_values, sphere_values, title, limits, cmap):
+    """Colors of numbers, NaN in grey: ((m, 3), (s, 3), bar)."""
+    import matplotlib
+
+    values = np.append(face_values, sphere_values).astype(float)
+    known = np.isfinite(values)
+    if limits is None:
+        limits = (values[known].min(), values[known].max()) if known.any() else (0.0, 1.0)
+    low, high = limits
+    if high - low <= 1e-9 * max(abs(low), abs(high)):    # equal but for round-off
+        margin = 0.01 * abs(low) or 1.0
+        low, high = low - margin, high + margin
+    t = np.clip((np.where(known, values, low) - low) / (high - low), 0.0, 1.0)
+    rgb = np.where(known[:, None], matplotlib.colormaps[cmap](t)[:, :3], GREY)
+    return rgb[:len(face_values)], rgb[len(face_values):], (title, low, high)
+
+
+def column_values(universe, cells, mesh, spheres, name):
+    """A dump column on faces and spheres; where faces have nothing, the value of the center."""
+    data = universe.trajectory.ts.data
+    if name not in data or np.ndim(data[name]) != 1:
+        columns = [c for c, v in data.items() if np.ndim(v) == 1 and len(v) == len(universe.atoms)]
+        raise ValueError(f"--color {name}: neither cell, type, region, pressure, contact nor a "
+                         f"column of the dump, which has {' '.join(columns)}")
+    values = data[name]
+    faces = values[mesh.faces]
+    if not np.nan_to_num(faces.astype(float)).any():
+        center = cells.centers[mesh.cell]
+        faces = np.where(center >= 0, values[center], np.nan)
+    return faces, values[spheres]
+
+
+def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modulus=None,
+                 names=None):
+    """Picture of the current frame of a Universe, colored by `color` (see the command's help)."""
+    ts, atoms = universe.trajectory.ts, universe.atoms
+    xyz, there = ts.data["xyz"], ~np.isnan(ts.data["xyz"][:, 0])
+    if (atoms.kinds == FACE).any():
+        cells = Cells(universe)
+        mesh = Mesh(cells, ts)
+    else:
+        cells = mesh = None
+    spheres = np.flatnonzero((atoms.kinds == SPHERE) & there)
+    if mesh is None and not len(spheres):
+        raise ValueError("nothing to draw: no faces and no spheres are known; give --data FILE")
+    radii = ts.data["radius"][spheres] if "radius" in ts.data else atoms.radii[spheres]
+    if mesh is None:
+        points, triangles = np.zeros((0, 3)), np.zeros((0, 3), dtype=int)
+        molecule = types = np.zeros(0, dtype=object)
+    else:
+        nodes, at, triangles = np.unique(mesh.vertices, return_index=True, return_inverse=True)
+        points = mesh.origin[mesh.cell[at // 3]] + mesh.corners.reshape(-1, 3)[at]
+        triangles = triangles.reshape(-1, 3)
+        molecule, types = cells.ids[mesh.cell], cells.types[mesh.cell]
+
+    bar, legend, nothing = None, {}, np.full(len(spheres), np.nan)
+    if color == "cell":
+        face_rgb, sphere_rgb, _ = categories(molecule, atoms.resids[spheres], "cell")
+    elif color == "type":
+        face_rgb, sphere_rgb, legend = categories(types, atoms.types[spheres], "type",
+                                                  names)
+    elif mesh is None:
+        raise ValueError(f"--color {color}: the frame has no deformable cells; use type or cell")
+    elif color == "region":
+        regions = ts.data.get("region", atoms.regions.astype(float))[mesh.faces]
+        regions = [REGION_NAMES.get(int(r), "?") for r in np.nan_to_num(regions)]
+        face_rgb, sphere_rgb, legend = categories(np.array(regions, dtype=object),
+                                                  np.full(len(spheres), "sphere"), "")
+    elif color == "pressure":
+        if bulk_modulus is None:
+            raise ValueError("--color pressure: give the bulk modulus, --bulk-modulus K_V (kPa)")
+        frame = ts.frame
+        run = CellPressure(universe, bulk_modulus).run(frames=[frame])
+        universe.trajectory[frame]    # run() ends at frame 0
+        face_rgb, sphere_rgb, bar = scale(run.results.pressure[0][mesh.cell], nothing,
+                                          "pressure, kPa", limits, cmap)
+    elif color == "contact":
+        if "contact_area" not in ts.data:
+            raise ValueError("--color contact: the dump has no column contact_area: add it from "
+                             "compute dcm/face, or name it with --rename COLUMN=contact_area")
+        area = np.linalg.norm(triangle_vectors(mesh.corners), axis=1)
+        face_rgb, sphere_rgb, bar = scale(ts.data["contact_area"][mesh.faces] / area, nothing,
+                                          "contact area / face area", limits or (0, 1), cmap)
+    else:
+        faces, on_spheres = column_values(universe, cells, mesh, spheres, color)
+        face_rgb, sphere_rgb, bar = scale(faces, on_spheres, color, limits, cmap)
+    return Picture(points, triangles, xyz[spheres], radii, xyz[(atoms.kinds == TRACER) & there],
+                   face_rgb, sphere_rgb, bar, legend, f"step {ts.data.get('step', 0)}")
+
+
+def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cmap="viridis"):
+    """Draw with VTK, off screen, into a PNG file."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)    # it complains of a missing display
+    import pyvista
+
+    plotter = pyvista.Plotter(off_screen=True, window_size=(size, size))
+    plotter.set_background("white")
+    light = dict(smooth_shading=True, specular=0.2, specular_power=10)
+    if len(picture.triangles):
+        faces = np.column_stack([np.full(len(picture.triangles), 3), picture.triangles])
+        surface = pyvista.PolyData(picture.points, faces.ravel())
+        surface.cell_data["rgb"] = (255 * picture.face_rgb).astype(np.uint8)
+        plotter.add_mesh(surface, scalars="rgb", rgb=True, opacity=opacity, **light)
+        if edges:
+            plotter.add_mesh(surface, style="wireframe", color="black", line_width=1, opacity=0.35)
+    if len(picture.centers):
+        cloud = pyvista.PolyData(picture.centers)
+        cloud["radius"] = picture.radii
+        cloud["rgb"] = (255 * picture.sphere_rgb).astype(np.uint8)
+        ball = pyvista.Sphere(radius=1.0, theta_resolution=40, phi_resolution=40)
+        plotter.add_mesh(cloud.glyph(geom=ball, scale="radius", orient=False, factor=1.0),
+                         scalars="rgb", rgb=True, **light)
+    if len(picture.dots):
+        plotter.add_points(picture.dots, color="crimson", point_size=4)
+    if picture.bar:
+        title, low, high = picture.bar
+        plotter.add_mesh(pyvista.PolyData(np.zeros((1, 3))), scalars=[low], clim=(low, high),
+                         cmap=cmap, opacity=0.0, show_scalar_bar=True,
+                         scalar_bar_args=dict(title=title, color="black", n_labels=5))
+    if picture.legend:
+        plotter.add_legend([[k, c] for k, c in picture.legend.items()], bcolor="white",
+                           face="circle", size=(0.2, 0.03 * len(picture.legend) + 0.02))
+    plotter.add_text(picture.title, color="black", font_size=10)
+    plotter.enable_parallel_projection()
+    plotter.view_vector(VIEWS[view], UP[view])
+    plotter.camera.zoom(1.2 if view != "iso" else 1.1)
+    plotter.screenshot(str(output))
+    plotter.close()
+
+
+def draw_matplotlib(picture, output, view="xy", size=1200, edges=False, opacity=1.0,
+                    cmap="viridis"):
+    """Draw with matplotlib into an image file; spheres are coarse, faces flat."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 17), np.linspace(0, np.pi, 9))
+    grid = np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], axis=-1)
+    quads = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2)
+    quads = quads.reshape(-1, 4, 3)
+    towards = np.array(VIEWS[view], dtype=float) / np.linalg.norm(VIEWS[view])
+    corners = picture.points[picture.triangles]
+    normals = triangle_vectors(corners) if len(corners) else np.zeros((0, 3))
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    polygons, colors = list(corners), [picture.face_rgb * shade(normals @ towards)]
+    dark = shade(quads.mean(axis=1) @ towards)
+    for center, radius, rgb in zip(picture.centers, picture.radii, picture.sphere_rgb):
+        polygons += list(center + radius * quads)
+        colors.append(rgb * dark)
+    figure = pyplot.figure(figsize=(size / 120, size / 120), dpi=120)
+    axes = figure.add_subplot(projection="3d", proj_type="ortho")
+    colors = np.column_stack([np.vstack(colors), np.full(len(polygons), opacity)])
+    axes.add_collection3d(Poly3DCollection(polygons, facecolors=colors,
+                                           edgecolors="k" if edges else "none", linewidths=0.2))
+    if len(picture.dots):
+        axes.scatter(*picture.dots.T, s=2, c="crimson")
+    everything = np.vstack([p for p in polygons])
+    axes.set(**{f"{a}lim": (lo, hi) for a, lo, hi in
+                zip("xyz", everything.min(axis=0), everything.max(axis=0))})
+    axes.set_box_aspect(np.ptp(everything, axis=0), zoom=1.35)
+    axes.view_init(**{"xy": dict(elev=90, azim=-90), "xz": dict(elev=0, azim=-90),
+                      "yz": dict(elev=0, azim=0), "iso": dict(elev=30, azim=-45)}[view])
+    axes.set_axis_off()
+    axes.set_title(picture.title)
+    if picture.bar:
+        title, low, high = picture.bar
+        norm = matplotlib.colors.Normalize(low, high)
+        figure.colorbar(matplotlib.cm.ScalarMappable(norm, cmap), ax=axes, shrink=0.5, label=title)
+    for label, rgb in picture.legend.items():
+        axes.plot([], [], [], "o", color=rgb, label=label)
+    if picture.legend:
+        axes.legend(loc="upper right")
+    figure.savefig(output)
+    pyplot.close(figure)
+
+
+def shade(cosine):
+    """Brightness (n, 1) of surfaces whose normal has `cosine` (n,) with the line of sight."""
+    return (0.45 + 0.55 * np.clip(np.abs(cosine), 0.0, 1.0))[:, None]
+
+
+def draw(picture, output, engine="auto", **options):
+    """Draw with engine `vtk`, `matplotlib` or `auto` (VTK, if that fails matplotlib).
+
+    VTK runs in a child process: without a usable OpenGL it may end the process it runs in.
+    Returns the name of the engine that drew.
+    """
+    if engine != "matplotlib":
+        child = multiprocessing.get_context("fork").Process(
+            target=_child, args=(picture, output, options))
+        child.start()
+        child.join()
+        if child.exitcode == 0 and Path(output).exists():
+            return "vtk"
+        if engine == "vtk":
+            raise ValueError("VTK could not draw here: install pyvista and a software OpenGL "
+                             "(Debian: libegl1 libgl1-mesa-dri), or use --engine matplotlib")
+        print("VTK could not draw here, matplotlib does", file=sys.stderr)
+    draw_matplotlib(picture, output, **options)
+    return "matplotlib"
+
+
+def _child(picture, output, options):
+    try:
+        draw_vtk(picture, output, **options)
+    except Exception as err:
+        print(f"VTK: {type(err).__name__}: {err}", file=sys.stderr)
+        sys.exit(1)
+
+
+# ---------------------------------------------------------------------- command line
+
+def pairs(words, option, value=str):
+    """Dict from command-line words NAME=VALUE."""
+    found = {}
+    for word in words or []:
+        name, equals, text = word.partition("=")
+        if not equals:
+            raise ValueError(f"{option} {word}: write NAME=VALUE")
+        found[name] = value(text)
+    return found
+
+
+def bulk_modulus_of(words):
+    """K_V, kPa, from `2.5` or `TYPE=2.5 ...`; None if not given."""
+    if not words:
+        return None
+    try:
+        return float(words[0]) if len(words) == 1 and "=" not in words[0] \
+            else pairs(words, "--bulk-modulus", float)
+    except ValueError:
+        raise ValueError(f"--bulk-modulus {' '.join(words)}: give one number, kPa, or "
+                         "CENTERTYPE=NUMBER for every type of center atom") from None
+
+
+def add_input(parser):
+    """The options that name the files of a run."""
+    parser.add_argument("dump", nargs="?", help="text dump (dump custom), plain or .gz")
+    parser.add_argument("--data", help="data file: faces, radii, rest volumes")
+    parser.add_argument("--rename", nargs="+", metavar="COLUMN=NAME", help="dump columns to "
+                        "rename, such as c_face[2]=contact_area")
+    parser.add_argument("--bulk-modulus", nargs="+", metavar="K_V", help="kPa: one number, or "
+                        "TYPE=NUMBER for every atom type of a center; for pressures")
+
+
+def add_arguments(parser):
+    """Options of `render`."""
+    add_input(parser)
+    parser.add_argument("--frame", default="-1", help="number from 0, from the end if negative, "
+                        "or all: one numbered picture each (default: %(default)s)")
+    parser.add_argument("-o", "--output", default="frame.png", help="default: %(default)s")
+    parser.add_argument("--color", default="type", help="type, cell, region, pressure, contact, "
+                        "or any column of the dump (default: %(default)s)")
+    parser.add_argument("--names", nargs="+", metavar="TYPE=NAME", help="names of atom types (of "
+                        "centers and spheres) for the legend")
+    parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"),
+                        help="ends of the color scale; by default those of the values")
+    parser.add_argument("--cmap", default="viridis", help="matplotlib color map")
+    parser.add_argument("--view", choices=list(VIEWS), default="xy", help="plane that is seen")
+    parser.add_argument("--size", type=int, default=1200, help="width and height, pixel")
+    parser.add_argument("--edges", action="store_true", help="draw the mesh")
+    parser.add_argument("--opacity", type=float, default=1.0, help="of the deformable cells")
+    parser.add_argument("--engine", choices=["auto", "vtk", "matplotlib"], default="auto")
+
+
+def run(args, words):
+    """Render what the command line asks for."""
+    if args.dump is None and args.data is None:
+        raise ValueError("give a dump, --data FILE, or both")
+    universe = load(args.data, args.dump, rename=pairs(args.rename, "--rename"))
+    count = len(universe.trajectory)
+    try:
+        frames = range(count) if args.frame == "all" else [range(count)[int(args.frame)]]
+    except (ValueError, IndexError):
+        raise ValueError(f"--frame {args.frame}: there are {count} frames, give 0 to {count - 1}, "
+                         "a negative number from the end, or all") from None
+    output = Path(args.output)
+    for frame in tqdm(frames, desc="rendering", disable=None if len(frames) > 1 else True):
+        universe.trajectory[frame]
+        picture = make_picture(universe, args.color, args.limits, args.cmap,
+                               bulk_modulus_of(args.bulk_modulus),
+                               pairs(args.names, "--names"))
+        name = output if args.frame != "all" else output.with_stem(f"{output.stem}.{frame:05d}")
+        engine = draw(picture, name, args.engine, view=args.view, size=args.size,
+                      edges=args.edges, opacity=args.opacity, cmap=args.cmap)
+        if len(frames) == 1:
+            print(f"wrote {name} ({engine}, {picture.title}, frame {frame} of {count})")
+    if len(frames) > 1:
+        print(f"wrote {len(frames)} pictures {output.with_stem(output.stem + '.NNNNN')}")
