@@ -1,0 +1,384 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "fix_dcm_confine.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_compat.h"
+#include "dcm_parameters.h"
+#include "dcm_vector.h"
+#include "domain.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "group.h"
+#include "modify.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+static const char STYLE[] = "Fix dcm/confine";
+static const std::vector<std::string> KEYWORDS = {"pressure", "over", "axis",  "center", "tau",
+                                                  "limit",    "area", "plane", "at",     "group"};
+
+// The controller integrates the error of the pressure expected LEAD tau ahead, the slope taken
+// from a filter of FILTER tau. Chosen on overdamped chains: no overshoot above 2 % as long as the
+// tissue's slowest relaxation time is below 4 tau.
+
+static constexpr double LEAD = 2.0;
+static constexpr double FILTER = 0.5;
+static constexpr double TAU_STEPS = 500.0;    // default tau in steps
+static constexpr double MIN_STEPS = 10.0;     // least tau in steps
+
+/* ----------------------------------------------------------------------
+   fix ID group dcm/confine [pressure P over GROUP [axis a] [center c1 c2] [tau t] [limit m]
+                             [area A]] [plane a k [at v] [group GROUP]]
+------------------------------------------------------------------------- */
+
+FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), cell(nullptr), target(0.0), measured_bit(0),
+    axis(2), center{0.0, 0.0, 0.0}, tau(0.0), limit(10.0), outer_area(0.0), force(0.0),
+    reference(0.0), smooth(0.0), started(false), warned(false), plane(-1), spring(0.0), at(0.0),
+    plane_bit(groupbit), energy(0.0), farthest(0.0)
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+
+  const DCMParameters parameters(lmp, STYLE);
+  const auto POSITIVE = DCMParameters::POSITIVE;
+  auto axis_of = [&](const char *keyword, const char *text) {
+    if (strlen(text) != 1 || text[0] < 'x' || text[0] > 'z')
+      error->all(FLERR, "{}: {} must be x, y or z, not {}", STYLE, keyword, text);
+    return text[0] - 'x';
+  };
+
+  double offset[2] = {0.0, 0.0};
+  std::string of_pressure, of_plane;    // keywords that need the other one
+  int iarg = 3;
+  while (iarg < narg) {
+    const std::string key = arg[iarg];
+    if (std::find(KEYWORDS.begin(), KEYWORDS.end(), key) == KEYWORDS.end())
+      error->all(FLERR, "{}: unknown keyword {}; known: {}", STYLE, key, utils::join_words(KEYWORDS, " "));
+    const int nvalues = key == "center" || key == "plane" ? 2 : 1;
+    if (iarg + nvalues >= narg)
+      error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, nvalues,
+                 nvalues > 1 ? "s" : "");
+    char **value = arg + iarg + 1;
+    if (key == "pressure") {
+      target = parameters.number("pressure", value[0], POSITIVE);
+    } else if (key == "over") {
+      measured = value[0];
+      measured_bit = group_bit("over", value[0]);
+      of_pressure = key;
+    } else if (key == "axis") {
+      axis = axis_of("axis", value[0]);
+      of_pressure = key;
+    } else if (key == "center") {
+      for (int k = 0; k < 2; k++)
+        offset[k] = parameters.number("center", value[k], DCMParameters::ANY);
+      of_pressure = key;
+    } else if (key == "tau") {
+      tau = parameters.number("tau", value[0], POSITIVE);
+      of_pressure = key;
+    } else if (key == "limit") {
+      limit = parameters.number("limit", value[0], POSITIVE);
+      of_pressure = key;
+    } else if (key == "area") {
+      outer_area = parameters.number("area", value[0], POSITIVE);
+      of_pressure = key;
+    } else if (key == "plane") {
+      plane = axis_of("plane", value[0]);
+      spring = parameters.number("plane force constant", value[1], POSITIVE);
+    } else if (key == "at") {
+      at = parameters.number("at", value[0], DCMParameters::ANY);
+      of_plane = key;
+    } else {
+      plane_bit = group_bit("group", value[0]);
+      of_plane = key;
+    }
+    iarg += 1 + nvalues;
+  }
+  if (target == 0.0 && plane < 0)
+    error->all(FLERR, "{}: give 'pressure P over GROUP', 'plane x|y|z K' or both", STYLE);
+  if (target == 0.0 && !of_pressure.empty())
+    error->all(FLERR, "{}: keyword {} needs keyword pressure", STYLE, of_pressure);
+  if (plane < 0 && !of_plane.empty())
+    error->all(FLERR, "{}: keyword {} needs keyword plane", STYLE, of_plane);
+  if (target > 0.0 && measured_bit == 0)
+    error->all(FLERR, "{}: pressure needs 'over GROUP', the cells whose mean pressure is driven",
+               STYLE);
+
+  // the two coordinates across the axis, in the order x y z
+
+  for (int k = 0, n = 0; k < 3; k++)
+    if (k != axis) center[k] = offset[n++];
+
+  scalar_flag = vector_flag = 1;
+  size_vector = 3;
+  extscalar = 1;
+  extvector = 0;
+  global_freq = 1;
+  energy_global_flag = 1;
+  restart_global = target > 0.0;
+}
+
+int FixDCMConfine::group_bit(const char *keyword, const char *id)
+{
+  const int found = group->find(id);
+  if (found < 0) error->all(FLERR, "{}: {}: there is no group {}", STYLE, keyword, id);
+  return group->bitmask[found];
+}
+
+/* ----------------------------------------------------------------------
+   forces are added before the reverse communication rather than in post_force:
+   in setup() the velocities may be solved for before this fix's turn comes
+------------------------------------------------------------------------- */
+
+int FixDCMConfine::setmask()
+{
+  return INITIAL_INTEGRATE | PRE_REVERSE;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMConfine::init()
+{
+  cell = FixDCMCell::require(lmp, STYLE);
+  if (target == 0.0) return;
+  if (modify->get_fix_by_style("^dcm/volume$").empty())
+    error->all(FLERR, "{}: pressure needs a fix dcm/volume, without it cells have no pressure",
+               STYLE);
+  if (tau > 0.0 && tau < MIN_STEPS * update->dt)
+    error->all(FLERR, "{}: tau is {}, must be at least {} time steps of {}", STYLE, tau, MIN_STEPS,
+               update->dt);
+}
+
+/* ----------------------------------------------------------------------
+   errors before the first step
+------------------------------------------------------------------------- */
+
+void FixDCMConfine::setup(int /*vflag*/)
+{
+  if (target == 0.0) return;
+  bool any = false;
+  for (const auto &it : cell->cells) any = any || (it.mask & measured_bit);
+  if (!any) error->all(FLERR, "{}: no deformable cell has its center in group {}", STYLE, measured);
+  if (!started) estimate_reference();
+}
+
+void FixDCMConfine::setup_pre_reverse(int eflag, int vflag)
+{
+  pre_reverse(eflag, vflag);
+}
+
+/* ----------------------------------------------------------------------
+   vector from the axis to a cell
+------------------------------------------------------------------------- */
+
+void FixDCMConfine::radial(const double *x, double *d) const
+{
+  for (int k = 0; k < 3; k++) d[k] = k == axis ? 0.0 : x[k] - center[k];
+  dcm_minimum_image(domain, d[0], d[1], d[2]);
+}
+
+/* ----------------------------------------------------------------------
+   force per cell that balances the target pressure on the tissue's outer surface:
+   a cylinder as high as the mean cell, through the outside of the cells pushed on
+------------------------------------------------------------------------- */
+
+void FixDCMConfine::estimate_reference()
+{
+  double sums[3] = {0.0, 0.0, 0.0};    // number, distance from the axis, diameter
+  double d[3];
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::SPHERE || !(atom->mask[i] & groupbit)) continue;
+    radial(atom->x[i], d);
+    sums[0] += 1.0;
+    sums[1] += dcm::vec(d).norm();
+    sums[2] += 2.0 * atom->radius[i];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, world);
+  for (const auto &it : cell->cells) {
+    if (!(it.mask & groupbit)) continue;
+    radial(it.x, d);
+    sums[0] += 1.0;
+    sums[1] += dcm::vec(d).norm();
+    sums[2] += std::cbrt(6.0 * it.volume / dcm::PI);
+  }
+  if (sums[0] == 0.0)
+    error->all(FLERR, "{}: no cell (sphere or center atom) is in group {}", STYLE,
+               group->names[igroup]);
+  const double radius = sums[1] / sums[0], height = sums[2] / sums[0];
+  reference =
+      target *
+      (outer_area > 0.0 ? outer_area : 2.0 * dcm::PI * (radius + 0.5 * height) * height / sums[0]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixDCMConfine::mean_pressure() const
+{
+  double sum = 0.0;
+  int n = 0;
+  for (const auto &it : cell->cells) {
+    if (!(it.mask & measured_bit)) continue;
+    sum += it.pressure;
+    n++;
+  }
+  return n ? sum / n : 0.0;
+}
+
+/* ----------------------------------------------------------------------
+   integral controller:  df/dt = (f_ref/tau) (1 - (p + LEAD tau dp/dt)/P)
+   bounded rate (|df/dt| <= f_ref/tau) and range (0 to limit f_ref); it starts with
+   the estimate for the part of the pressure that is missing
+------------------------------------------------------------------------- */
+
+void FixDCMConfine::initial_integrate(int /*vflag*/)
+{
+  if (target == 0.0) return;
+  const double p = mean_pressure();
+  const double most = limit * reference;
+
+  if (!started) {
+    started = true;
+    smooth = p;
+    force = std::min(reference * std::max(0.0, 1.0 - p / target), most);
+    return;
+  }
+
+  const double dt = update->dt;
+  const double t = tau > 0.0 ? tau : TAU_STEPS * dt;
+  const double slope = (p - smooth) / (FILTER * t);
+  smooth += dt * slope;
+  const double deviation = 1.0 - (p + LEAD * t * slope) / target;
+  force += dt / t * reference * std::max(-1.0, std::min(1.0, deviation));
+  force = std::max(0.0, std::min(force, most));
+
+  if (force == most && !warned) {
+    warned = true;
+    if (comm->me == 0)
+      error->warning(
+          FLERR,
+          "{}: the inward force has reached its limit, {} per cell, while the mean "
+          "pressure is {} of {}: the group may not enclose the tissue; see keyword limit",
+          STYLE, force, p, target);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   force on a cell at x
+------------------------------------------------------------------------- */
+
+void FixDCMConfine::add_force(const double *x, int mask, double *f)
+{
+  f[0] = f[1] = f[2] = 0.0;
+  if (force > 0.0 && (mask & groupbit)) {
+    double d[3];
+    radial(x, d);
+    const double r = dcm::vec(d).norm();
+    if (r > 0.0) dcm::vec(f) = (-force / r) * dcm::vec(d);
+  }
+  if (plane >= 0 && (mask & plane_bit)) {
+    double d[3] = {0.0, 0.0, 0.0};
+    d[plane] = x[plane] - at;
+    dcm_minimum_image(domain, d[0], d[1], d[2]);
+    f[plane] -= spring * d[plane];
+    energy += 0.5 * spring * d[plane] * d[plane];
+    farthest = std::max(farthest, std::fabs(d[plane]));
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMConfine::pre_reverse(int /*eflag*/, int /*vflag*/)
+{
+  energy = farthest = 0.0;
+
+  // all ranks hold the same deformable cells: their energy counts once
+
+  const int ncells = (int) cell->cells.size();
+  cell_force.resize(3 * ncells);
+  for (int c = 0; c < ncells; c++) {
+    const FixDCMCell::Cell &it = cell->cells[c];
+    add_force(it.x, it.mask, &cell_force[3 * c]);
+    if (it.nnodes > 0) dcm::vec(&cell_force[3 * c]) /= it.nnodes;
+  }
+  if (comm->me != 0) energy = 0.0;
+
+  double **f = atom->f;
+  const int *const kind = dcm->kind;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (kind[i] == AtomVecDCM::NODE) {
+      dcm::vec(f[i]) += dcm::vec(&cell_force[3 * cell->cell_of[i]]);
+    } else if (kind[i] == AtomVecDCM::SPHERE) {
+      double fi[3];
+      add_force(atom->x[i], atom->mask[i], fi);
+      dcm::vec(f[i]) += dcm::vec(fi);
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMConfine::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  const double list[4] = {started ? 1.0 : 0.0, force, reference, smooth};
+  const int size = sizeof(list);
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(list, sizeof(double), 4, fp);
+}
+
+void FixDCMConfine::restart(char *buf)
+{
+  double list[4];
+  memcpy(list, buf, sizeof(list));
+  started = list[0] != 0.0;
+  force = list[1];
+  reference = list[2];
+  smooth = list[3];
+}
+
+/* ----------------------------------------------------------------------
+   energy of the plane penalty
+------------------------------------------------------------------------- */
+
+double FixDCMConfine::compute_scalar()
+{
+  double all;
+  MPI_Allreduce(&energy, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+/* ----------------------------------------------------------------------
+   inward force per cell, mean pressure, largest distance from the plane
+------------------------------------------------------------------------- */
+
+double FixDCMConfine::compute_vector(int i)
+{
+  if (i == 0) return force;
+  if (i == 1) return target > 0.0 ? mean_pressure() : 0.0;
+  double all;
+  MPI_Allreduce(&farthest, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+  return all;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixDCMConfine::memory_usage()
+{
+  return (double) cell_force.capacity() * sizeof(double);
+}

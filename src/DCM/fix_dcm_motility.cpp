@@ -1,0 +1,312 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "fix_dcm_motility.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "dcm_parameters.h"
+#include "dcm_random.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "memory.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+static const char STYLE[] = "Fix dcm/motility";
+static const std::vector<std::string> KEYWORDS = {"seed", "bias", "persistence", "plane"};
+static constexpr double UNSET = 1.0e300;    // state of a cell that has not been drawn yet
+
+/* ----------------------------------------------------------------------
+   fix ID group dcm/motility FILE name1..nameN seed S [D v] [friction_ecm v]
+                             [bias x y z F] [persistence tau] [plane x|y|z]
+------------------------------------------------------------------------- */
+
+FixDCMMotility::FixDCMMotility(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), cell(nullptr), seed(0), persistence(0.0), bias{0.0, 0.0, 0.0}, plane(-1),
+    state(nullptr)
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+
+  DCMParameters parameters(lmp, STYLE);
+  bool has_seed = false;
+  int iarg = 3 + parameters.parse(narg - 3, arg + 3, atom->ntypes);
+  while (iarg < narg) {
+    const int used = parameters.parse_keyword(narg - iarg, arg + iarg, {"D", "friction_ecm"});
+    if (used) {
+      iarg += used;
+      continue;
+    }
+    const std::string key = arg[iarg];
+    if (std::find(KEYWORDS.begin(), KEYWORDS.end(), key) == KEYWORDS.end())
+      error->all(FLERR, "{}: unknown keyword {}; known: D friction_ecm {}", STYLE, key,
+                 utils::join_words(KEYWORDS, " "));
+    const int nvalues = key == "bias" ? 4 : 1;
+    if (iarg + nvalues >= narg)
+      error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, nvalues,
+                 nvalues > 1 ? "s" : "");
+    char **value = arg + iarg + 1;
+    if (key == "seed") {
+      if (!utils::is_integer(value[0]) || value[0][0] == '-')
+        error->all(FLERR, "{}: seed is '{}', expected an integer, zero or positive", STYLE,
+                   value[0]);
+      seed = (std::uint64_t) utils::bnumeric(FLERR, value[0], false, lmp);
+      has_seed = true;
+    } else if (key == "bias") {
+      for (int k = 0; k < 3; k++) bias[k] = parameters.number("bias", value[k], DCMParameters::ANY);
+      const double size = parameters.number("bias force", value[3], DCMParameters::NONNEGATIVE);
+      const double norm = dcm::vec(bias).norm();
+      if (norm == 0.0) error->all(FLERR, "{}: the direction of bias is zero", STYLE);
+      dcm::vec(bias) *= size / norm;
+    } else if (key == "persistence") {
+      persistence = parameters.number("persistence", value[0], DCMParameters::POSITIVE);
+    } else {
+      if (strlen(value[0]) != 1 || value[0][0] < 'x' || value[0][0] > 'z')
+        error->all(FLERR, "{}: plane must be x, y or z, not {}", STYLE, value[0]);
+      plane = value[0][0] - 'x';
+    }
+    iarg += 1 + nvalues;
+  }
+  if (!has_seed) error->all(FLERR, "{}: add 'seed S', an integer", STYLE);
+
+  types.resize(atom->ntypes + 1);
+  for (int i = 1; i <= atom->ntypes; i++) {
+    types[i].used = parameters.used(i);
+    if (!types[i].used) continue;
+    types[i].D = parameters.get(i, "D", DCMParameters::NONNEGATIVE);
+    types[i].friction = parameters.get(i, "friction_ecm", DCMParameters::POSITIVE);
+  }
+
+  if (persistence > 0.0) {
+    restart_peratom = 1;
+    create_attribute = 1;
+    maxexchange = 3;
+    FixDCMMotility::grow_arrays(atom->nmax);
+    atom->add_callback(Atom::GROW);
+    atom->add_callback(Atom::RESTART);
+    for (int i = 0; i < atom->nlocal; i++) FixDCMMotility::set_arrays(i);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+FixDCMMotility::~FixDCMMotility()
+{
+  if (persistence > 0.0) {
+    atom->delete_callback(id, Atom::GROW);
+    atom->delete_callback(id, Atom::RESTART);
+  }
+  memory->destroy(state);
+}
+
+/* ----------------------------------------------------------------------
+   forces are added before the reverse communication rather than in post_force:
+   in setup() the velocities may be solved for before this fix's turn comes
+------------------------------------------------------------------------- */
+
+int FixDCMMotility::setmask()
+{
+  return INITIAL_INTEGRATE | PRE_REVERSE;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMMotility::init()
+{
+  cell = FixDCMCell::require(lmp, STYLE);
+  bool unnamed = false;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (dcm->kind[i] == AtomVecDCM::SPHERE && moves(i) && atom->molecule[i] <= 0) unnamed = true;
+  if (unnamed)
+    error->one(FLERR,
+               "{}: a sphere has no molecule ID, so its random numbers are not its own; give "
+               "each cell a positive molecule ID",
+               STYLE);
+}
+
+void FixDCMMotility::setup_pre_reverse(int eflag, int vflag)
+{
+  pre_reverse(eflag, vflag);
+}
+
+/* ----------------------------------------------------------------------
+   is this atom a sphere or center this fix acts on
+------------------------------------------------------------------------- */
+
+bool FixDCMMotility::moves(int i) const
+{
+  return (dcm->kind[i] == AtomVecDCM::SPHERE || dcm->kind[i] == AtomVecDCM::CENTER) &&
+         types[atom->type[i]].used && (atom->mask[i] & groupbit);
+}
+
+/* ----------------------------------------------------------------------
+   three standard normal numbers of a cell at this step
+------------------------------------------------------------------------- */
+
+void FixDCMMotility::draw(tagint molecule, double *xi) const
+{
+  dcm::Random random(seed, molecule, update->ntimestep, dcm::RandomPurpose::MOTILITY);
+  dcm::vec(xi) = random.gaussian_vector();
+}
+
+/* ----------------------------------------------------------------------
+   standard deviation of the force that gives the diffusion constant D when held
+   for one step; with persistence, when correlated from step to step by
+   a = exp(-dt/tau): the sum over all correlations is (1+a)/(1-a) = coth(dt/(2 tau))
+------------------------------------------------------------------------- */
+
+double FixDCMMotility::amplitude(const Type &type, double area) const
+{
+  const double dt = update->dt;
+  double variance = 2.0 * type.D / dt;
+  if (persistence > 0.0) variance *= std::tanh(0.5 * dt / persistence);
+  return type.friction * area * std::sqrt(variance);
+}
+
+/* ----------------------------------------------------------------------
+   Ornstein-Uhlenbeck process, exact for any time step; here and not with the
+   forces, so that setup() does not advance it
+------------------------------------------------------------------------- */
+
+void FixDCMMotility::initial_integrate(int /*vflag*/)
+{
+  if (persistence == 0.0) return;
+  const double a = std::exp(-update->dt / persistence);
+  const double b = std::sqrt(-std::expm1(-2.0 * update->dt / persistence));
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!moves(i) || state[i][0] == UNSET) continue;
+    double xi[3];
+    draw(atom->molecule[i], xi);
+    for (int k = 0; k < 3; k++) state[i][k] = a * state[i][k] + b * xi[k];
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
+{
+  const int nlocal = atom->nlocal;
+  const int ncells = (int) cell->cells.size();
+
+  // random part in units of its standard deviation: each rank draws those of all cells itself, but
+  // with persistence only the owner of the center has it
+
+  cell_force.assign(3 * ncells, 0.0);
+  if (persistence > 0.0) {
+    for (int i = 0; i < nlocal; i++) {
+      if (!moves(i)) continue;
+      if (state[i][0] == UNSET) draw(atom->molecule[i], state[i]);
+      if (dcm->kind[i] == AtomVecDCM::CENTER)
+        dcm::vec(&cell_force[3 * cell->cell_of[i]]) = dcm::vec(state[i]);
+    }
+    cell->sum(cell_force);
+  }
+
+  for (int c = 0; c < ncells; c++) {
+    const FixDCMCell::Cell &it = cell->cells[c];
+    double *const fc = &cell_force[3 * c];
+    if (!types[it.type].used || !(it.mask & groupbit) || it.nnodes == 0) continue;
+    if (persistence == 0.0) draw(it.molecule, fc);
+    if (plane >= 0) fc[plane] = 0.0;
+    dcm::vec(fc) *= amplitude(types[it.type], it.area);
+    dcm::vec(fc) += dcm::vec(bias);
+    dcm::vec(fc) /= it.nnodes;
+  }
+
+  double **f = atom->f;
+  for (int i = 0; i < nlocal; i++) {
+    if (dcm->kind[i] == AtomVecDCM::NODE) {
+      dcm::vec(f[i]) += dcm::vec(&cell_force[3 * cell->cell_of[i]]);
+    } else if (dcm->kind[i] == AtomVecDCM::SPHERE && moves(i)) {
+      double fi[3];
+      if (persistence > 0.0)
+        dcm::vec(fi) = dcm::vec(state[i]);
+      else
+        draw(atom->molecule[i], fi);
+      if (plane >= 0) fi[plane] = 0.0;
+      const double radius = atom->radius[i];
+      dcm::vec(fi) *= amplitude(types[atom->type[i]], 4.0 * dcm::PI * radius * radius);
+      dcm::vec(f[i]) += dcm::vec(fi) + dcm::vec(bias);
+    }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   per-atom state, only with persistence
+------------------------------------------------------------------------- */
+
+void FixDCMMotility::grow_arrays(int nmax)
+{
+  memory->grow(state, nmax, 3, "dcm/motility:state");
+}
+
+void FixDCMMotility::copy_arrays(int i, int j, int /*delflag*/)
+{
+  for (int k = 0; k < 3; k++) state[j][k] = state[i][k];
+}
+
+void FixDCMMotility::set_arrays(int i)
+{
+  state[i][0] = UNSET;
+  state[i][1] = state[i][2] = 0.0;
+}
+
+int FixDCMMotility::pack_exchange(int i, double *buf)
+{
+  for (int k = 0; k < 3; k++) buf[k] = state[i][k];
+  return 3;
+}
+
+int FixDCMMotility::unpack_exchange(int nlocal, double *buf)
+{
+  for (int k = 0; k < 3; k++) state[nlocal][k] = buf[k];
+  return 3;
+}
+
+int FixDCMMotility::pack_restart(int i, double *buf)
+{
+  buf[0] = 4;    // number of values, this one included
+  for (int k = 0; k < 3; k++) buf[1 + k] = state[i][k];
+  return 4;
+}
+
+void FixDCMMotility::unpack_restart(int nlocal, int nth)
+{
+  double **extra = atom->extra;
+  int m = 0;
+  for (int i = 0; i < nth; i++) m += static_cast<int>(extra[nlocal][m]);
+  m++;
+  for (int k = 0; k < 3; k++) state[nlocal][k] = extra[nlocal][m++];
+}
+
+int FixDCMMotility::size_restart(int /*nlocal*/)
+{
+  return 4;
+}
+
+int FixDCMMotility::maxsize_restart()
+{
+  return 4;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixDCMMotility::memory_usage()
+{
+  double bytes = (double) cell_force.capacity() * sizeof(double);
+  if (persistence > 0.0) bytes += (double) atom->nmax * 3 * sizeof(double);
+  return bytes;
+}
