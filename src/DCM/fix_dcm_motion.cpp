@@ -167,8 +167,8 @@ void FixDCMMotion::check_deck()
 
 void FixDCMMotion::find_styles()
 {
-  contact = dynamic_cast<PairDCMContact *>(force->pair_match("^dcm/contact", 0));
-  cortex = dynamic_cast<BondDCMCortex *>(force->bond_match("^dcm/cortex"));
+  contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
+  cortex = dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex"));
 }
 
 /* ----------------------------------------------------------------------
