@@ -34,6 +34,7 @@ static const char STYLE[] = "Dihedral style dcm/bend";
 DihedralDCMBend::DihedralDCMBend(LAMMPS *lmp) :
     Dihedral(lmp), data(nullptr), lastcall(-1), lastncalls(-1)
 {
+  writedata = 1;
 }
 
 /* ---------------------------------------------------------------------- */
