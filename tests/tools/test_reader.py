@@ -191,8 +191,10 @@ def test_dump_messages(pair, tmp_path):
     data = pair.data_file(tmp_path / "data.x")
     with pytest.raises(FileNotFoundError, match="no file .*gone.*holds data.x"):
         lammps_dcm.load(data, tmp_path / "gone")
-    with pytest.raises(DumpError, match="no 'ITEM: TIMESTEP'"):
+    with pytest.raises(DumpError, match="this is a data file"):
         lammps_dcm.load(data, data)
+    with pytest.raises(DumpError, match="no 'ITEM: TIMESTEP': not a text dump"):
+        lammps_dcm.load(data, write(tmp_path / "d", "nothing of the kind"))
     with pytest.raises(DumpError, match="no column 'id'"):
         lammps_dcm.load(data, write(tmp_path / "d", pair.frame(0, "type x y z")))
     with pytest.raises(DumpError, match="no coordinates among the columns id type"):

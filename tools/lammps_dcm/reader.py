@@ -4,6 +4,7 @@ An atom keeps its slot for the whole trajectory; a frame that lacks it has NaN t
 of the dump is in `ts.data[name]`, shape (n_atoms,), in double precision.
 """
 import gzip
+import io
 import warnings
 from pathlib import Path
 
@@ -107,23 +108,33 @@ class Frame:
 
     def table(self):
         """Dict of column name -> array (natoms,), float, or object where it is no number."""
-        width, words = len(self.columns), self.body.split()
-        if self.lines < self.natoms or len(words) < width * self.natoms:
-            raise DumpError(f"{self.where}: {self.lines} of {self.natoms} atom lines are there: "
-                            "the dump is cut short or damaged here")
-        words = words[:width * self.natoms]
+        if self.lines < self.natoms:
+            raise self._damaged()
+        shape = self.natoms, len(self.columns)
         try:
-            values = np.array(words, dtype=float).reshape(self.natoms, width)
-            return {name: values[:, k] for k, name in enumerate(self.columns)}
-        except ValueError:
-            found = {}
-            for k, name in enumerate(self.columns):
-                column = words[k::width]
-                try:
-                    found[name] = np.array(column, dtype=float)
-                except ValueError:
-                    found[name] = np.array([w.decode() for w in column], dtype=object)
-            return found
+            values = np.loadtxt(io.BytesIO(self.body), ndmin=2, comments=None,
+                                max_rows=self.natoms) if self.natoms else np.zeros(shape)
+        except ValueError:    # text in a column, or lines of unequal length
+            return self._mixed_table()
+        if values.shape != shape:
+            raise self._damaged()
+        return {name: values[:, k] for k, name in enumerate(self.columns)}
+
+    def _mixed_table(self):
+        rows = [line.split() for line in self.body.decode().splitlines()[:self.natoms]]
+        if any(len(row) != len(self.columns) for row in rows):
+            raise self._damaged()
+        found = {}
+        for name, column in zip(self.columns, zip(*rows)):
+            try:
+                found[name] = np.array(column, dtype=float)
+            except ValueError:
+                found[name] = np.array(column, dtype=object)
+        return found
+
+    def _damaged(self):
+        return DumpError(f"{self.where}: {self.lines} of {self.natoms} atom lines are there, or "
+                         "not all are whole: the dump is cut short or damaged here")
 
 
 class DumpFile:
@@ -140,8 +151,11 @@ class DumpFile:
         self._file = None
         self.offsets = find_frames(self.path, self._handle())
         if len(self.offsets) < 2:
-            raise DumpError(f"{path}: no 'ITEM: TIMESTEP': not a text dump of LAMMPS, use "
-                            "`dump custom`")
+            with open_text(path) as handle:
+                is_data = handle.readline().startswith("LAMMPS data file")
+            raise DumpError(f"{path}: no 'ITEM: TIMESTEP': " + (
+                "this is a data file, give it as data (command line: --data)" if is_data else
+                "not a text dump of LAMMPS, use `dump custom`"))
         last = len(self) - 1
         try:
             frame = self.frame(last)

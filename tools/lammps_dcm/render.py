@@ -156,9 +156,8 @@ def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cm
         faces = np.column_stack([np.full(len(picture.triangles), 3), picture.triangles])
         surface = pyvista.PolyData(picture.points, faces.ravel())
         surface.cell_data["rgb"] = (255 * picture.face_rgb).astype(np.uint8)
-        plotter.add_mesh(surface, scalars="rgb", rgb=True, opacity=opacity, **light)
-        if edges:
-            plotter.add_mesh(surface, style="wireframe", color="black", line_width=1, opacity=0.35)
+        plotter.add_mesh(surface, scalars="rgb", rgb=True, opacity=opacity, show_edges=edges,
+                         edge_opacity=0.5, line_width=1, **light)
     if len(picture.centers):
         cloud = pyvista.PolyData(picture.centers)
         cloud["radius"] = picture.radii
@@ -173,10 +172,10 @@ def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cm
         plotter.add_mesh(pyvista.PolyData(np.zeros((1, 3))), scalars=[low], clim=(low, high),
                          cmap=cmap, opacity=0.0, show_scalar_bar=True,
                          scalar_bar_args=dict(title=title, color="black", n_labels=5))
-    if picture.legend:
-        plotter.add_legend([[k, c] for k, c in picture.legend.items()], bcolor="white",
-                           face="circle", size=(0.2, 0.03 * len(picture.legend) + 0.02))
-    plotter.add_text(picture.title, color="black", font_size=10)
+    font = max(6, size // 110)
+    for n, (label, rgb) in enumerate([(picture.title, "black"), *picture.legend.items()]):
+        plotter.add_text(label, position=(font, size - (n + 1) * 2.4 * font), color=rgb,
+                         font_size=font)
     plotter.enable_parallel_projection()
     plotter.view_vector(VIEWS[view], UP[view])
     plotter.camera.zoom(1.2 if view != "iso" else 1.1)
@@ -216,7 +215,7 @@ def draw_matplotlib(picture, output, view="xy", size=1200, edges=False, opacity=
     everything = np.vstack([p for p in polygons])
     axes.set(**{f"{a}lim": (lo, hi) for a, lo, hi in
                 zip("xyz", everything.min(axis=0), everything.max(axis=0))})
-    axes.set_box_aspect(np.ptp(everything, axis=0), zoom=1.35)
+    axes.set_box_aspect(np.ptp(everything, axis=0), zoom=1.25)
     axes.view_init(**{"xy": dict(elev=90, azim=-90), "xz": dict(elev=0, azim=-90),
                       "yz": dict(elev=0, azim=0), "iso": dict(elev=30, azim=-45)}[view])
     axes.set_axis_off()
