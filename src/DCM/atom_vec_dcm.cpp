@@ -1,0 +1,216 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "atom_vec_dcm.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+using namespace LAMMPS_NS;
+
+// The arrays must outlive the atom style: ~AtomVec frees them through the addresses registered in
+// Atom::peratom, and a restart or replicate makes a second style for the same Atom. So they live
+// in one struct per Atom that is never freed, registered once and re-registered in place.
+
+static DCMAtoms *arrays_of(Atom *atom)
+{
+  static std::map<Atom *, std::unique_ptr<DCMAtoms>> all;
+  auto &entry = all[atom];
+  if (!entry) entry = std::make_unique<DCMAtoms>();
+  return entry.get();
+}
+
+static void forget_peratom(Atom *atom, const std::string &name)
+{
+  auto &list = atom->peratom;
+  list.erase(std::remove_if(list.begin(), list.end(),
+                            [&name](const Atom::PerAtom &item) {
+                              return item.name == name;
+                            }),
+             list.end());
+}
+
+/* ---------------------------------------------------------------------- */
+
+AtomVecDCM::AtomVecDCM(LAMMPS *lmp) : AtomVec(lmp)
+{
+  molecular = Atom::MOLECULAR;
+  bonds_allow = dihedrals_allow = 1;
+  mass_type = PER_TYPE;
+
+  atom->molecule_flag = 1;
+  atom->radius_flag = 1;
+
+  // a cell's atoms follow each other from their creation on, which is the order the loops want;
+  // spatial sorting would tear cells apart and change the order of sums after a restart
+
+  atom->sortfreq = 0;
+
+  data = arrays_of(atom);
+  *data = DCMAtoms();
+
+  for (const char *name :
+       {"dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0", "dcm_theta0"})
+    forget_peratom(atom, name);
+  const int tagtype = (sizeof(tagint) == 8) ? Atom::BIGINT : Atom::INT;
+  atom->add_peratom("dcm_kind", &data->kind, Atom::INT, 0);
+  atom->add_peratom("dcm_region", &data->region, Atom::INT, 0);
+  atom->add_peratom("dcm_vertex", &data->vertex, tagtype, 3);
+  atom->add_peratom("dcm_volume0", &data->volume0, Atom::DOUBLE, 0);
+  atom->add_peratom_vary("dcm_l0", &data->l0, Atom::DOUBLE, &atom->bond_per_atom, &atom->num_bond);
+  atom->add_peratom_vary("dcm_theta0", &data->theta0, Atom::DOUBLE, &atom->dihedral_per_atom,
+                         &atom->num_dihedral);
+
+  // order of fields in a string does not matter, except in fields_data_atom & fields_data_vel
+
+  // clang-format off
+  fields_grow = {"molecule", "radius", "num_bond", "bond_type", "bond_atom", "num_dihedral",
+    "dihedral_type", "dihedral_atom1", "dihedral_atom2", "dihedral_atom3", "dihedral_atom4",
+    "nspecial", "special", "dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0",
+    "dcm_theta0"};
+  fields_copy = fields_grow;
+  fields_border = {"molecule", "radius", "dcm_kind", "dcm_region", "dcm_vertex"};
+  fields_border_vel = fields_border;
+  fields_exchange = fields_grow;
+  fields_restart = {"molecule", "radius", "num_bond", "bond_type", "bond_atom", "num_dihedral",
+    "dihedral_type", "dihedral_atom1", "dihedral_atom2", "dihedral_atom3", "dihedral_atom4",
+    "dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0", "dcm_theta0"};
+  fields_create = {"molecule", "radius", "num_bond", "num_dihedral", "nspecial", "dcm_kind",
+    "dcm_region", "dcm_vertex", "dcm_volume0"};
+  fields_data_atom = {"id", "molecule", "type", "dcm_kind", "radius", "x", "dcm_vertex",
+    "dcm_region", "dcm_volume0"};
+  fields_data_vel = {"id", "v"};
+  // clang-format on
+
+  setup_fields();
+}
+
+/* ----------------------------------------------------------------------
+   mark rest lengths and angles of all slots as not set: whoever adds a bond
+   or dihedral sets them, else the styles take the shape at the first setup
+------------------------------------------------------------------------- */
+
+void AtomVecDCM::init_slots(int i)
+{
+  for (int m = 0; m < atom->bond_per_atom; m++) data->l0[i][m] = UNSET_L0;
+  for (int m = 0; m < atom->dihedral_per_atom; m++) data->theta0[i][m] = UNSET_THETA0;
+}
+
+void AtomVecDCM::create_atom_post(int ilocal)
+{
+  init_slots(ilocal);
+}
+
+/* ----------------------------------------------------------------------
+   vertices are stored as tag differences, so that an ID offset applied to
+   the whole cell (read_data add append) keeps them valid
+------------------------------------------------------------------------- */
+
+void AtomVecDCM::data_atom_post(int ilocal)
+{
+  const tagint tag = atom->tag[ilocal];
+  const int kind = data->kind[ilocal];
+  if (kind < SPHERE || kind > TRACER)
+    error->one(FLERR, "Atom style dcm: atom {} has kind {}, must be {} to {}", tag, kind,
+               (int) SPHERE, (int) TRACER);
+  if (data->region[ilocal] < 0 || data->region[ilocal] >= NREGION)
+    error->one(FLERR, "Atom style dcm: atom {} has region {}, must be 0 to {}", tag,
+               data->region[ilocal], NREGION - 1);
+  if (!(atom->radius[ilocal] >= 0.0) || (kind == SPHERE && atom->radius[ilocal] == 0.0))
+    error->one(FLERR,
+               "Atom style dcm: atom {} has radius {}; it must be positive for a sphere and "
+               "not negative otherwise",
+               tag, atom->radius[ilocal]);
+  if (kind == CENTER && !(data->volume0[ilocal] > 0.0))
+    error->one(FLERR, "Atom style dcm: cell center {} has rest volume {}, must be positive", tag,
+               data->volume0[ilocal]);
+
+  if (kind == FACE) {
+    for (int k = 0; k < 3; k++) {
+      if (data->vertex[ilocal][k] <= 0)
+        error->one(FLERR, "Atom style dcm: face {} has vertex ID {}, must be positive", tag,
+                   data->vertex[ilocal][k]);
+      data->vertex[ilocal][k] -= tag;
+    }
+  }
+  atom->num_bond[ilocal] = 0;
+  atom->num_dihedral[ilocal] = 0;
+  atom->nspecial[ilocal][0] = 0;
+  atom->nspecial[ilocal][1] = 0;
+  atom->nspecial[ilocal][2] = 0;
+  init_slots(ilocal);
+}
+
+void AtomVecDCM::data_bonds_post(int m, int num_bond, tagint, tagint, tagint)
+{
+  data->l0[m][num_bond] = UNSET_L0;
+}
+
+/* ----------------------------------------------------------------------
+   vertices in the data file are absolute tags
+------------------------------------------------------------------------- */
+
+void AtomVecDCM::pack_data_pre(int ilocal)
+{
+  if (data->kind[ilocal] != FACE) return;
+  for (int k = 0; k < 3; k++) data->vertex[ilocal][k] += atom->tag[ilocal];
+}
+
+void AtomVecDCM::pack_data_post(int ilocal)
+{
+  if (data->kind[ilocal] != FACE) return;
+  for (int k = 0; k < 3; k++) data->vertex[ilocal][k] -= atom->tag[ilocal];
+}
+
+/* ----------------------------------------------------------------------
+   names for compute property/atom
+------------------------------------------------------------------------- */
+
+static const std::vector<std::string> PROPERTIES = {"kind",    "region",  "volume0",
+                                                    "vertex1", "vertex2", "vertex3"};
+
+int AtomVecDCM::property_atom(const std::string &name)
+{
+  auto found = std::find(PROPERTIES.begin(), PROPERTIES.end(), name);
+  return found == PROPERTIES.end() ? -1 : (int) (found - PROPERTIES.begin());
+}
+
+void AtomVecDCM::pack_property_atom(int index, double *buf, int nvalues, int groupbit)
+{
+  const int *mask = atom->mask;
+  int n = 0;
+  for (int i = 0; i < atom->nlocal; i++, n += nvalues) {
+    buf[n] = 0.0;
+    if (!(mask[i] & groupbit)) continue;
+    if (index == 0)
+      buf[n] = data->kind[i];
+    else if (index == 1)
+      buf[n] = data->region[i];
+    else if (index == 2)
+      buf[n] = data->volume0[i];
+    else if (data->kind[i] == FACE)
+      buf[n] = (double) (data->vertex[i][index - 3] + atom->tag[i]);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+DCMAtoms *AtomVecDCM::require(LAMMPS *lmp, const std::string &asking)
+{
+  if (!lmp->atom->style_match("dcm"))
+    lmp->error->all(FLERR, "{} needs atom_style dcm; the atom style is {}", asking,
+                    lmp->atom->atom_style ? lmp->atom->atom_style : "none");
+  return arrays_of(lmp->atom);
+}

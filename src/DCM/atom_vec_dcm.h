@@ -1,0 +1,64 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef ATOM_CLASS
+// clang-format off
+AtomStyle(dcm,AtomVecDCM);
+// clang-format on
+#else
+
+#ifndef LMP_ATOM_VEC_DCM_H
+#define LMP_ATOM_VEC_DCM_H
+
+#include "atom_vec.h"
+
+namespace LAMMPS_NS {
+
+// per-atom state of the package, indexed by local atom; the arrays belong to the atom style
+
+struct DCMAtoms {
+  int *kind = nullptr;          // one of AtomVecDCM::Kind
+  int *region = nullptr;        // faces: one of AtomVecDCM::Region
+  tagint **vertex = nullptr;    // faces: vertex tag minus own tag, counter-clockwise from outside
+  double *volume0 = nullptr;    // centers: rest volume of the cell
+  double **l0 = nullptr;        // per bond slot: rest length of the edge, < 0: not set yet
+  double **theta0 = nullptr;    // per dihedral slot: rest angle of the hinge, > 4: not set yet
+};
+
+class AtomVecDCM : public AtomVec {
+ public:
+  enum Kind { SPHERE = 1, CENTER, NODE, FACE, TRACER };
+  enum Region { LATERAL, POLAR, APICAL, JUNCTION, NREGION };
+
+  static constexpr double UNSET_L0 = -1.0, UNSET_THETA0 = 10.0;
+
+  AtomVecDCM(class LAMMPS *);
+  void create_atom_post(int) override;
+  void data_atom_post(int) override;
+  void data_bonds_post(int, int, tagint, tagint, tagint) override;
+  void pack_data_pre(int) override;
+  void pack_data_post(int) override;
+  int property_atom(const std::string &) override;
+  void pack_property_atom(int, double *, int, int) override;
+
+  // the state of the running atom style; an error naming the asking style if there is none
+
+  static DCMAtoms *require(class LAMMPS *, const std::string &asking);
+
+ private:
+  DCMAtoms *data;
+
+  void init_slots(int);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

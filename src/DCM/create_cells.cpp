@@ -1,0 +1,391 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "create_cells.h"
+
+#include "atom.h"
+#include "atom_vec.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_hinge.h"
+#include "dcm_mesh_io.h"
+#include "dcm_random.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "tokenizer.h"
+#include "utils.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+using namespace LAMMPS_NS;
+using dcm::Vec3;
+
+/* ---------------------------------------------------------------------- */
+
+void CreateCells::command(int narg, char **arg)
+{
+  if (!domain->box_exist)
+    error->all(FLERR, "Create_cells command before simulation box is defined");
+  dcm = AtomVecDCM::require(lmp, "Create_cells");
+  if (!force->newton_bond) error->all(FLERR, "Create_cells needs newton on; remove 'newton off'");
+  if (narg < 2) utils::missing_cmd_args(FLERR, "create_cells", error);
+
+  int iarg = 2;
+  const std::string source = arg[0];
+  if (source == "table") {
+    read_table(arg[1]);
+  } else if (source == "single") {
+    if (narg < 7) utils::missing_cmd_args(FLERR, "create_cells single", error);
+    add_request({arg + 1, arg + 7}, "single");
+    iarg = 7;
+  } else {
+    error->all(FLERR, "Create_cells: unknown source {}; use single or table", source);
+  }
+
+  mesh = dcm::icosphere(3);
+  while (iarg < narg) iarg += parse_keyword(narg - iarg, arg + iarg);
+  prepare_mesh();
+
+  // tags and molecules follow those that exist; every rank goes through all cells and keeps the
+  // atoms that are its own, so that the result is the same on any number of ranks
+
+  for (const auto &request : requests) {
+    const auto type = types.find(request.name);
+    if (type == types.end() || type->second.deformable != request.deformable)
+      error->all(FLERR, "Create_cells: no atom types for {} cells of type {}; add '{} {} {}'",
+                 request.deformable ? "deformable" : "center-based", request.name,
+                 request.deformable ? "dcm" : "cbm", request.name,
+                 request.deformable ? "Tcenter Tnode Tface Tbond Tdihedral" : "Tsphere");
+  }
+  reserve_slots();
+
+  tagint last[2] = {0, 0};
+  const int nlocal_previous = atom->nlocal;
+  for (int i = 0; i < nlocal_previous; i++) {
+    last[0] = std::max(last[0], atom->tag[i]);
+    last[1] = std::max(last[1], atom->molecule[i]);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, last, 2, MPI_LMP_TAGINT, MPI_MAX, world);
+
+  const tagint per_cell = 1 + (tagint) (mesh.nodes.size() + mesh.faces.size());
+  bigint ncreated[2] = {0, 0}, natoms = 0;
+  tagint tag = last[0] + 1, molecule = last[1] + 1;
+  for (const auto &request : requests) {
+    if (request.deformable)
+      create_deformable(request, tag, molecule);
+    else
+      create_sphere(request, tag, molecule);
+    tag += request.deformable ? per_cell : 1;
+    natoms += request.deformable ? per_cell : 1;
+    ncreated[request.deformable]++;
+    molecule++;
+  }
+
+  bigint nlocal = atom->nlocal - nlocal_previous, nall;
+  MPI_Allreduce(&nlocal, &nall, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  if (nall != natoms)
+    error->all(FLERR,
+               "Create_cells: {} of {} atoms lie outside the box; enlarge the box or move "
+               "the cells",
+               natoms - nall, natoms);
+  atom->data_fix_compute_variable(nlocal_previous, atom->nlocal);
+  atom->natoms += natoms;
+  atom->nbonds += ncreated[1] * (bigint) hinges.size();
+  atom->ndihedrals += ncreated[1] * (bigint) hinges.size();
+  atom->tag_check();
+  if (atom->map_style != Atom::MAP_NONE) {
+    atom->nghost = 0;
+    atom->map_init();
+    atom->map_set();
+  }
+  if (comm->me == 0)
+    utils::logmesg(lmp, "Created {} deformable cells of {} nodes and {} center-based cells\n",
+                   ncreated[1], mesh.nodes.size(), ncreated[0]);
+}
+
+/* ----------------------------------------------------------------------
+   rank 0 reads the table, all parse it: lines of NAME dcm|cbm x y z R
+------------------------------------------------------------------------- */
+
+void CreateCells::read_table(const std::string &file)
+{
+  std::string text;
+  int size = -1;
+  if (comm->me == 0) {
+    std::ifstream in(file);
+    if (in) {
+      text.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+      size = (int) text.size();
+    }
+  }
+  MPI_Bcast(&size, 1, MPI_INT, 0, world);
+  if (size < 0) error->all(FLERR, "Create_cells: cannot open cells table {}", file);
+  text.resize(size);
+  MPI_Bcast(&text[0], size, MPI_CHAR, 0, world);
+  for (const auto &line : Tokenizer(text, "\n").as_vector()) {
+    const auto words = Tokenizer(line.substr(0, line.find('#'))).as_vector();
+    if (!words.empty()) add_request(words, "table " + file + ": '" + utils::trim(line) + "'");
+  }
+  if (requests.empty()) error->all(FLERR, "Create_cells: cells table {} names no cell", file);
+}
+
+void CreateCells::add_request(const std::vector<std::string> &words, const std::string &where)
+{
+  if (words.size() != 6 || (words[1] != "dcm" && words[1] != "cbm"))
+    error->all(FLERR, "Create_cells: {}: expected NAME dcm|cbm x y z radius", where);
+  Request request;
+  request.name = words[0];
+  request.deformable = (words[1] == "dcm");
+  for (int k = 0; k < 3; k++) request.x[k] = number(where, words[2 + k]);
+  request.radius = number(where, words[5]);
+  if (request.radius <= 0.0)
+    error->all(FLERR, "Create_cells: {}: radius is {}, must be positive", where, request.radius);
+  requests.push_back(request);
+}
+
+/* ---------------------------------------------------------------------- */
+
+int CreateCells::parse_keyword(int narg, char **arg)
+{
+  const std::string keyword = arg[0];
+  auto need = [&](int n) {
+    if (narg <= n)
+      error->all(FLERR, "Create_cells: keyword {} needs {} values, got {}", keyword, n, narg - 1);
+    return n + 1;
+  };
+
+  if (keyword == "dcm") {
+    const int used = need(6);
+    CellType type = {true, 0, 0, 0, 0, 0};
+    type.center = type_number(keyword, arg[2], atom->ntypes);
+    type.node = type_number(keyword, arg[3], atom->ntypes);
+    type.face = type_number(keyword, arg[4], atom->ntypes);
+    type.bond = type_number(keyword, arg[5], atom->nbondtypes);
+    type.dihedral = type_number(keyword, arg[6], atom->ndihedraltypes);
+    if (type.center == type.node || type.node == type.face || type.face == type.center)
+      error->all(FLERR,
+                 "Create_cells: cell type {}: center, node and face need three different "
+                 "atom types",
+                 arg[1]);
+    types[arg[1]] = type;
+    return used;
+  }
+  if (keyword == "cbm") {
+    const int used = need(2);
+    const int type = type_number(keyword, arg[2], atom->ntypes);
+    types[arg[1]] = {false, type, type, type, 0, 0};
+    return used;
+  }
+  if (keyword == "mesh") {
+    const int used = need(2);
+    try {
+      if (strcmp(arg[1], "icosphere") == 0)
+        mesh = dcm::icosphere(utils::inumeric(FLERR, arg[2], false, lmp));
+      else if (strcmp(arg[1], "file") == 0)
+        mesh = dcm::read_mesh(arg[2]);
+      else
+        error->all(FLERR, "Create_cells: unknown mesh {}; use icosphere LEVEL or file PATH",
+                   arg[1]);
+    } catch (LAMMPSException &) {
+      throw;
+    } catch (std::exception &e) {
+      error->all(FLERR, "Create_cells: {}", e.what());
+    }
+    return used;
+  }
+  if (keyword == "rest") {
+    const int used = need(1);
+    rest = number(keyword, arg[1]);
+    if (rest <= 0.0 || rest > 2.0)
+      error->all(FLERR, "Create_cells: rest is {}, must be above 0 and at most 2", rest);
+    return used;
+  }
+  if (keyword == "rotate") {
+    const int used = need(1);
+    rotate_seed = utils::inumeric(FLERR, arg[1], false, lmp);
+    if (rotate_seed <= 0)
+      error->all(FLERR, "Create_cells: rotate needs a positive seed, not {}", rotate_seed);
+    return used;
+  }
+  if (keyword == "scale") {
+    const int used = need(1);
+    if (strcmp(arg[1], "volume") != 0 && strcmp(arg[1], "nodes") != 0)
+      error->all(FLERR, "Create_cells: scale is {}, must be volume or nodes", arg[1]);
+    equal_volume = (strcmp(arg[1], "volume") == 0);
+    return used;
+  }
+  error->all(FLERR, "Create_cells: unknown keyword {}; known: dcm cbm mesh rest rotate scale",
+             keyword);
+  return 0;
+}
+
+double CreateCells::number(const std::string &where, const std::string &text) const
+{
+  if (!utils::is_double(text))
+    error->all(FLERR, "Create_cells: {}: '{}' is not a number", where, text);
+  const double value = utils::numeric(FLERR, text, false, lmp);
+  if (!std::isfinite(value)) error->all(FLERR, "Create_cells: {}: {} is not finite", where, text);
+  return value;
+}
+
+int CreateCells::type_number(const std::string &where, const std::string &text, int ntypes) const
+{
+  if (!utils::is_integer(text))
+    error->all(FLERR, "Create_cells: {}: '{}' is not a type number", where, text);
+  const int type = utils::inumeric(FLERR, text, false, lmp);
+  if (type < 1 || type > ntypes)
+    error->all(FLERR, "Create_cells: {}: type {} is not between 1 and {}; reserve it in create_box",
+               where, type, ntypes);
+  return type;
+}
+
+/* ----------------------------------------------------------------------
+   check the mesh, bring it to mean position 0 and size 1, share out bonds and
+   hinges so that no node stores many
+------------------------------------------------------------------------- */
+
+void CreateCells::prepare_mesh()
+{
+  const std::string problem = dcm::check_mesh(mesh);
+  if (!problem.empty()) error->all(FLERR, "Create_cells: bad mesh: {}", problem);
+
+  Vec3 mid = Vec3::Zero();
+  for (const auto &x : mesh.nodes) mid += x / (double) mesh.nodes.size();
+  double reach = 0.0;
+  for (auto &x : mesh.nodes) {
+    x -= mid;
+    reach = std::max(reach, x.norm());
+  }
+  const double size = equal_volume ? std::cbrt(0.75 * dcm::volume(mesh) / dcm::PI) : reach;
+  for (auto &x : mesh.nodes) x /= size;
+
+  hinges = dcm::hinges(mesh);
+  std::vector<int> stored(mesh.nodes.size(), 0);
+  for (const auto &hinge : hinges) {
+    owner.push_back(stored[hinge[1]] <= stored[hinge[2]] ? 1 : 2);
+    slots = std::max(slots, ++stored[hinge[owner.back()]]);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   topology slots are fixed once atoms exist; until then they can be made here
+------------------------------------------------------------------------- */
+
+void CreateCells::reserve_slots()
+{
+  const bool wanted = std::any_of(requests.begin(), requests.end(), [](const Request &r) {
+    return r.deformable;
+  });
+  if (!wanted || (atom->bond_per_atom >= slots && atom->dihedral_per_atom >= slots)) return;
+  if (atom->natoms > 0)
+    error->all(
+        FLERR,
+        "Create_cells: a node needs {0} bond and {0} dihedral slots, there are {1} "
+        "and {2}; add 'extra/bond/per/atom {0} extra/dihedral/per/atom {0}' to create_box or "
+        "read_data",
+        slots, atom->bond_per_atom, atom->dihedral_per_atom);
+
+  atom->bond_per_atom = std::max(atom->bond_per_atom, slots);
+  atom->dihedral_per_atom = std::max(atom->dihedral_per_atom, slots);
+  atom->avec->grow(atom->nmax);
+}
+
+/* ----------------------------------------------------------------------
+   add an atom if it is mine; its fields beyond type, tag and molecule are zero
+------------------------------------------------------------------------- */
+
+bool CreateCells::create(const double *coord, int type, int kind, tagint tag, tagint molecule)
+{
+  double x[3] = {coord[0], coord[1], coord[2]};
+  imageint image =
+      ((imageint) IMGMAX << IMG2BITS) | ((imageint) IMGMAX << IMGBITS) | (imageint) IMGMAX;
+  domain->remap(x, image);
+  if (!domain->inside(x)) return false;
+  double lamda[3];
+  if (domain->triclinic) domain->x2lamda(x, lamda);
+  int igx, igy, igz;
+  if (comm->coord2proc(domain->triclinic ? lamda : x, igx, igy, igz) != comm->me) return false;
+
+  const int i = atom->nlocal;
+  atom->avec->create_atom(type, x);
+  atom->tag[i] = tag;
+  atom->molecule[i] = molecule;
+  atom->image[i] = image;
+  dcm->kind[i] = kind;
+  return true;
+}
+
+void CreateCells::create_sphere(const Request &request, tagint tag, tagint molecule)
+{
+  if (create(request.x.data(), types[request.name].center, AtomVecDCM::SPHERE, tag, molecule))
+    atom->radius[atom->nlocal - 1] = request.radius;
+}
+
+/* ----------------------------------------------------------------------
+   tags of a cell: center, nodes in mesh order, faces in mesh order
+------------------------------------------------------------------------- */
+
+void CreateCells::create_deformable(const Request &request, tagint tag, tagint molecule)
+{
+  const CellType &type = types[request.name];
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  if (rotate_seed) {
+    dcm::Random random(rotate_seed, molecule, 0);
+    const Vec3 v = random.gaussian_vector();
+    rotation = Eigen::Quaterniond(random.gaussian(), v[0], v[1], v[2]).normalized();
+  }
+  std::vector<Vec3> x;
+  for (const auto &node : mesh.nodes) x.push_back(request.x + request.radius * (rotation * node));
+  const double volume = std::pow(request.radius, 3) * dcm::volume(mesh);
+
+  if (create(request.x.data(), type.center, AtomVecDCM::CENTER, tag, molecule))
+    dcm->volume0[atom->nlocal - 1] = volume;
+
+  const tagint first = tag + 1, first_face = first + (tagint) x.size();
+  std::vector<int> local(x.size(), -1);
+  for (size_t n = 0; n < x.size(); n++)
+    if (create(x[n].data(), type.node, AtomVecDCM::NODE, first + (tagint) n, molecule))
+      local[n] = atom->nlocal - 1;
+
+  for (size_t h = 0; h < hinges.size(); h++) {
+    std::array<int, 4> n = hinges[h];
+    if (owner[h] == 2) n = {n[3], n[2], n[1], n[0]};    // the same hinge, seen from the other end
+    const int i = local[n[1]];
+    if (i < 0) continue;
+    int m = atom->num_bond[i]++;
+    atom->bond_type[i][m] = type.bond;
+    atom->bond_atom[i][m] = first + n[2];
+    dcm->l0[i][m] = rest * (x[n[2]] - x[n[1]]).norm();
+    m = atom->num_dihedral[i]++;
+    atom->dihedral_type[i][m] = type.dihedral;
+    atom->dihedral_atom1[i][m] = first + n[0];
+    atom->dihedral_atom2[i][m] = first + n[1];
+    atom->dihedral_atom3[i][m] = first + n[2];
+    atom->dihedral_atom4[i][m] = first + n[3];
+    dcm->theta0[i][m] = dcm::hinge_angle(x[n[0]], x[n[1]], x[n[2]], x[n[3]]);
+  }
+
+  for (size_t f = 0; f < mesh.faces.size(); f++) {
+    const auto &v = mesh.faces[f];
+    const Vec3 mid = (x[v[0]] + x[v[1]] + x[v[2]]) / 3.0;
+    const tagint face_tag = first_face + (tagint) f;
+    if (!create(mid.data(), type.face, AtomVecDCM::FACE, face_tag, molecule)) continue;
+    const int i = atom->nlocal - 1;
+    for (int k = 0; k < 3; k++) {
+      dcm->vertex[i][k] = first + v[k] - face_tag;
+      atom->radius[i] = std::max(atom->radius[i], (x[v[k]] - mid).norm());
+    }
+  }
+}

@@ -1,0 +1,149 @@
+# Shared by tools/run, tools/test and tools/bench: install what is missing, build LAMMPS once per
+# version into the user's cache folder, build the plugin, prepare the Python environment.
+# Every function can be called any number of times and does nothing when its work is done.
+
+DCM_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+DCM_CACHE=${XDG_CACHE_HOME:-$HOME/.cache}/lammps-dcm
+DCM_BUILD=${DCM_BUILD_DIR:-$DCM_ROOT/build}
+DCM_JOBS=${DCM_JOBS:-$(nproc)}
+
+LAMMPS_PACKAGE=lammps
+LAMMPS_DEBIAN_VERSION=20250204+dfsg.1-2
+LAMMPS_SUITE=trixie
+LAMMPS_ARCHIVE_SHA256=3671165bd52fad36734e0a9136c5bc5ecb225e03988f8c89aa13366a8b53b1c7
+# one letter per change of the build options below, so that an old cache is not reused
+LAMMPS_BUILD_TAG=20250204-a
+LAMMPS_HOME=$DCM_CACHE/lammps-$LAMMPS_BUILD_TAG
+
+say() { printf '[dcm %s] %s\n' "$(date +%H:%M:%S)" "$*"; }
+die() { printf '[dcm] ERROR: %s\n' "$*" >&2; exit 1; }
+
+# --- packages -----------------------------------------------------------------------------------
+
+# command or file that shows a package is there : Debian package
+DCM_PACKAGES=(
+  "command:g++:g++" "command:cmake:cmake" "command:make:make" "command:mpicxx:libopenmpi-dev"
+  "command:mpirun:openmpi-bin" "command:xz:xz-utils" "command:flock:util-linux"
+  "command:git:git"
+  "file:/usr/include/eigen3/Eigen/Core:libeigen3-dev" "file:/usr/include/gtest/gtest.h:libgtest-dev"
+  "file:/usr/include/png.h:libpng-dev" "python:venv:python3-venv"
+)
+
+missing_packages() {
+  local entry kind what package
+  for entry in "${DCM_PACKAGES[@]}"; do
+    IFS=: read -r kind what package <<<"$entry"
+    case $kind in
+      command) command -v "$what" >/dev/null || echo "$package" ;;
+      file) [ -e "$what" ] || echo "$package" ;;
+      python) python3 -c 'import venv, ensurepip' 2>/dev/null || echo "$package" ;;
+    esac
+  done
+}
+
+ensure_packages() {
+  local missing
+  missing=$(missing_packages | sort -u | tr '\n' ' ')
+  [ -n "$missing" ] || return 0
+  if [ "$(id -u)" -ne 0 ]; then
+    die "these Debian packages are missing: $missing
+      ask an administrator to run: apt-get install $missing"
+  fi
+  say "installing Debian packages: $missing"
+  export DEBIAN_FRONTEND=noninteractive
+  apt-get update -qq || die "apt-get update failed: is the network there?"
+  # shellcheck disable=SC2086
+  apt-get install -y -qq --no-install-recommends $missing >/dev/null ||
+    die "apt-get install $missing failed"
+}
+
+# --- LAMMPS -------------------------------------------------------------------------------------
+
+# The source archive comes from Debian itself through a private sources list, so that neither the
+# machine's own lists nor its installed packages change, and an ordinary user can do it.
+download_lammps() {
+  local archive=$1 apt=$LAMMPS_HOME/apt mirror line uri
+  if [ -f "$archive" ] && echo "$LAMMPS_ARCHIVE_SHA256  $archive" | sha256sum -c --quiet 2>/dev/null
+  then
+    return 0
+  fi
+  mirror=$(apt-get indextargets --format '$(REPO_URI)' 2>/dev/null | grep -v security | sort -u | head -n 1)
+  [ -n "$mirror" ] || die "apt knows no mirror; run apt-get update, or pass your own LAMMPS to cmake"
+  mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial"
+  printf 'deb-src %s %s main\n' "$mirror" "$LAMMPS_SUITE" >"$apt/sources.list"
+  : >"$apt/status"
+  local options=(-o Dir::Etc::SourceList="$apt/sources.list" -o Dir::Etc::SourceParts=/dev/null
+    -o Dir::State::Lists="$apt/lists" -o Dir::Cache="$apt/cache" -o Dir::State::status="$apt/status"
+    -o APT::Sandbox::User=root -o Debug::NoLocking=1)
+  say "looking up the LAMMPS source archive"
+  apt-get "${options[@]}" update -qq || die "cannot read Debian's source index ($LAMMPS_SUITE)"
+  line=$(apt-get "${options[@]}" source --print-uris --download-only \
+    "$LAMMPS_PACKAGE=$LAMMPS_DEBIAN_VERSION" | grep -F .orig.tar) ||
+    die "Debian's $LAMMPS_SUITE has no $LAMMPS_PACKAGE=$LAMMPS_DEBIAN_VERSION any more"
+  uri=$(cut -d"'" -f2 <<<"$line")
+  say "downloading the LAMMPS source archive (132 MB)"
+  rm -f "$archive" "$archive.part"
+  /usr/lib/apt/apt-helper "${options[@]}" download-file "$uri" "$archive.part" \
+    "SHA256:$LAMMPS_ARCHIVE_SHA256" >/dev/null || die "the LAMMPS archive did not arrive whole"
+  mv "$archive.part" "$archive"
+}
+
+unpack_lammps() {
+  local archive=$1
+  [ -d "$LAMMPS_HOME/source" ] && return 0
+  say "unpacking LAMMPS"
+  rm -rf "$LAMMPS_HOME/unpack"
+  mkdir -p "$LAMMPS_HOME/unpack"
+  tar -xf "$archive" -C "$LAMMPS_HOME/unpack" --strip-components=1 --wildcards \
+    '*/src' '*/cmake' '*/potentials/*.granular' '*/LICENSE' 2>/dev/null ||
+    tar -xf "$archive" -C "$LAMMPS_HOME/unpack" --strip-components=1 ||
+    die "cannot unpack $archive"
+  mv "$LAMMPS_HOME/unpack" "$LAMMPS_HOME/source"
+}
+
+build_lammps() {
+  say "building LAMMPS (once; 3 to 6 minutes on 2 cores); log: $LAMMPS_HOME/build.log"
+  {
+    cmake -S "$LAMMPS_HOME/source/cmake" -B "$LAMMPS_HOME/build" \
+      -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_FLAGS_RELEASE="-O2 -DNDEBUG" \
+      -D BUILD_SHARED_LIBS=yes -D BUILD_MPI=yes -D BUILD_OMP=no -D BUILD_TOOLS=no \
+      -D PKG_PLUGIN=yes -D PKG_MOLECULE=yes -D PKG_GRANULAR=yes \
+      -D WITH_PNG=yes -D WITH_JPEG=no -D WITH_GZIP=no -D WITH_FFMPEG=no -D WITH_CURL=no \
+      -D LAMMPS_EXCEPTIONS=yes &&
+      cmake --build "$LAMMPS_HOME/build" --parallel "$DCM_JOBS"
+  } >"$LAMMPS_HOME/build.log" 2>&1 &
+  local pid=$! last="" now
+  while kill -0 $pid 2>/dev/null; do
+    sleep 2
+    now=$(grep -oE '^\[ *[0-9]+%\]' "$LAMMPS_HOME/build.log" 2>/dev/null | tail -n 1 | tr -dc 0-9)
+    if [ -n "$now" ] && [ "${now%?}" != "${last%?}" ]; then say "  LAMMPS $now %"; last=$now; fi
+  done
+  wait $pid || { tail -n 20 "$LAMMPS_HOME/build.log" >&2; die "LAMMPS did not build"; }
+}
+
+ensure_lammps() {
+  if [ -n "${LAMMPS_SOURCE_DIR:-}" ]; then
+    [ -f "$LAMMPS_SOURCE_DIR/version.h" ] ||
+      die "LAMMPS_SOURCE_DIR=$LAMMPS_SOURCE_DIR is not LAMMPS' src folder (no version.h)"
+    [ -n "${LAMMPS_LMP:-}" ] || die "LAMMPS_SOURCE_DIR is set: set LAMMPS_LMP to its lmp as well"
+    DCM_LMP=$LAMMPS_LMP
+    return 0
+  fi
+  mkdir -p "$LAMMPS_HOME"
+  exec 9>"$LAMMPS_HOME/lock"
+  if ! flock -n 9; then
+    say "another process is setting up LAMMPS; waiting for it"
+    flock 9
+  fi
+  if [ ! -f "$LAMMPS_HOME/done" ]; then
+    local archive=$LAMMPS_HOME/lammps.orig.tar.xz
+    [ -d "$LAMMPS_HOME/source" ] || download_lammps "$archive"
+    unpack_lammps "$archive"
+    build_lammps
+    rm -rf "$LAMMPS_HOME/apt" "$archive"
+    touch "$LAMMPS_HOME/done"
+  fi
+  exec 9>&-
+  LAMMPS_SOURCE_DIR=$LAMMPS_HOME/source/src
+  DCM_LMP=$LAMMPS_HOME/build/lmp
+}
