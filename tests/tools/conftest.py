@@ -95,8 +95,8 @@ class Scene:
         path.write_text("\n".join(out) + "\n")
         return path
 
-    def frame(self, step, columns="id type x y z", wrap=False, keep=lambda r: True, flags="pp pp pp",
-              shuffle=0, **extra):
+    def frame(self, step, columns="id type x y z", wrap=False, keep=lambda r: True,
+              flags="pp pp pp", shuffle=0, **extra):
         """Text of one dump frame; extra: column name -> function of the row."""
         rows = [self.wrapped(r) if wrap else r for r in self.rows if keep(r)]
         np.random.default_rng(shuffle).shuffle(rows)

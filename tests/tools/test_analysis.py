@@ -62,7 +62,7 @@ def test_open_boundaries_are_not_folded(make_scene, tmp_path):
 def test_tilted_box(scene, tmp_path):
     scene.dcm((0, 0, 0), 5.0, level=1)
     straight = scene.frame(0)
-    shift = {"x": 100.0 - 20.0, "y": 100.0, "z": 0.0}    # by -a... b = (-20, 100, 0), a = (100, 0, 0)
+    shift = {"x": 100.0 - 20.0, "y": 100.0, "z": 0.0}    # one a and one b
 
     def moved(axis):
         return lambda r: r[axis] + (shift[axis] if r["z"] > 0 else 0.0)

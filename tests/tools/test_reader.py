@@ -203,7 +203,8 @@ def test_dump_messages(pair, tmp_path):
     with pytest.raises(DumpError, match="occurs twice"):
         lammps_dcm.load(data, write(tmp_path / "d", double))
     pair.cbm((30, 0, 0), 1.0)    # born in frame 1 while another one leaves: same count
-    frames = [pair.frame(0, keep=lambda r: r["id"] <= 34), pair.frame(1, keep=lambda r: r["id"] > 1),
+    frames = [pair.frame(0, keep=lambda r: r["id"] <= 34),
+              pair.frame(1, keep=lambda r: r["id"] > 1),
               pair.frame(2, keep=lambda r: r["id"] <= 34)]
     dump = write(tmp_path / "d", *frames)
     with pytest.raises(DumpError, match="35 has no slot.*scan='all'"):

@@ -266,7 +266,7 @@ class DCMDumpReader(ReaderBase):
     """MDAnalysis reader for text dumps: format='DCMDUMP'.
 
     ids: IDs of the atoms, one per slot (`lammps_dcm.load` passes those of data file and dump);
-    by default the slot is id - 1. dt: length of a LAMMPS step, s; by default 1. rename: as DumpFile.
+    by default the slot is id - 1. dt: length of a LAMMPS step, s. rename: as DumpFile.
     Positions stay where the dump has them, the box need not begin at zero.
     """
 

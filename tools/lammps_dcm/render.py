@@ -268,37 +268,36 @@ def _child(picture, output, options):
 
 # ---------------------------------------------------------------------- command line
 
-def pairs(words, option, value=str):
-    """Dict from command-line words NAME=VALUE."""
+def pairs(text, option, value=str):
+    """Dict from command-line text NAME=VALUE,NAME=VALUE,..."""
     found = {}
-    for word in words or []:
-        name, equals, text = word.partition("=")
-        if not equals:
-            raise ValueError(f"{option} {word}: write NAME=VALUE")
-        found[name] = value(text)
+    for word in text.split(",") if text else []:
+        name, equals, given = word.partition("=")
+        if not (name and equals and given):
+            raise ValueError(f"{option} {text}: write NAME=VALUE,NAME=VALUE,...")
+        found[name] = value(given)
     return found
 
 
-def bulk_modulus_of(words):
-    """K_V, kPa, from `2.5` or `TYPE=2.5 ...`; None if not given."""
-    if not words:
+def bulk_modulus_of(text):
+    """K_V, kPa, from `2.5` or `TYPE=2.5,TYPE=3`; None if not given."""
+    if text is None:
         return None
     try:
-        return float(words[0]) if len(words) == 1 and "=" not in words[0] \
-            else pairs(words, "--bulk-modulus", float)
+        return pairs(text, "", float) if "=" in text else float(text)
     except ValueError:
-        raise ValueError(f"--bulk-modulus {' '.join(words)}: give one number, kPa, or "
-                         "CENTERTYPE=NUMBER for every type of center atom") from None
+        raise ValueError(f"--bulk-modulus {text}: give one number, kPa, or TYPE=NUMBER,... for "
+                         "every type of center atom") from None
 
 
 def add_input(parser):
     """The options that name the files of a run."""
     parser.add_argument("dump", nargs="?", help="text dump (dump custom), plain or .gz")
     parser.add_argument("--data", help="data file: faces, radii, rest volumes")
-    parser.add_argument("--rename", nargs="+", metavar="COLUMN=NAME", help="dump columns to "
+    parser.add_argument("--rename", metavar="COLUMN=NAME,...", help="dump columns to "
                         "rename, such as c_face[2]=contact_area")
-    parser.add_argument("--bulk-modulus", nargs="+", metavar="K_V", help="kPa: one number, or "
-                        "TYPE=NUMBER for every atom type of a center; for pressures")
+    parser.add_argument("--bulk-modulus", metavar="K_V", help="kPa: one number, or "
+                        "TYPE=NUMBER,... for every atom type of a center; for pressures")
 
 
 def add_arguments(parser):
@@ -309,7 +308,7 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", default="frame.png", help="default: %(default)s")
     parser.add_argument("--color", default="type", help="type, cell, region, pressure, contact, "
                         "or any column of the dump (default: %(default)s)")
-    parser.add_argument("--names", nargs="+", metavar="TYPE=NAME", help="names of atom types (of "
+    parser.add_argument("--names", metavar="TYPE=NAME,...", help="names of atom types (of "
                         "centers and spheres) for the legend")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"),
                         help="ends of the color scale; by default those of the values")

@@ -39,7 +39,7 @@ class Cell:
 # ---------------------------------------------------------------------- geometry
 
 def ring_count(rho, radius, gap):
-    """Most cells of `radius` that fit on a circle of radius `rho` (um), `gap` between neighbours."""
+    """Most cells of `radius` that fit on a circle of radius `rho` (um), `gap` apart."""
     s = radius * (1.0 + gap) / rho
     if s > 1.0:
         raise SceneError(f"a circle of radius {rho:g} um is too small for two cells of radius "
@@ -294,7 +294,7 @@ def add_arguments(parser):
     def randomness(p):
         p.add_argument("--jitter", type=float, default=0.0,
                        help="random shift per axis, fraction of the cell's radius")
-        p.add_argument("--seed", type=int, default=1, help="seed of the jitter")
+        p.add_argument("--seed", type=int, default=1, help="seed of the jitter and of the rotation of the rings")
 
     def one_type(p, kind=True):
         p.add_argument("--type", default="hepatoblast", help="cell type name")
