@@ -294,7 +294,7 @@ def add_arguments(parser):
     def randomness(p):
         p.add_argument("--jitter", type=float, default=0.0,
                        help="random shift per axis, fraction of the cell's radius")
-        p.add_argument("--seed", type=int, default=1, help="seed of the jitter and of the rotation of the rings")
+        p.add_argument("--seed", type=int, default=1, help="seed of jitter and ring rotation")
 
     def one_type(p, kind=True):
         p.add_argument("--type", default="hepatoblast", help="cell type name")
