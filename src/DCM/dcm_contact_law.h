@@ -18,6 +18,8 @@
 //   a, c, sigma0             core and cohesive radius, cohesive stress
 //   core(r2, q0, q1)         q0 = Q0/r^2 and q1 = Q1/r^3 for r <= a, regular at r = 0
 //   core_p(r2)               p for r <= a
+//   EXACT_CORE               true: core_edge() gives the edge integrals in closed form; false: by
+//                            Gauss points of core()
 //   p(r), Q0(r), Q1(r)       Q0 = int_0^r p s ds, Q1 = int_0^r p s^2 ds
 //   force()                  2 pi Q0(c), the force on the full circle
 //
@@ -151,7 +153,7 @@ template <class Law> struct RadialLaw {
   double p(double r) const
   {
     if (r > c) return 0.0;
-    if (r > a) return -sigma0;
+    if (r > a || !(a > 0.0)) return -sigma0;
     return law().core_p(r * r);
   }
 

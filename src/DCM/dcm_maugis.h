@@ -25,6 +25,7 @@
 namespace dcm {
 
 struct MaugisState : RadialLaw<MaugisState> {
+  static constexpr bool EXACT_CORE = false;
   double hertz = 0.0;        ///< 2 E/(pi R)
   double k = 0.0;            ///< c^2 - a^2
   double root_k = 0.0;       ///< sqrt(k)
@@ -145,12 +146,14 @@ struct MaugisState : RadialLaw<MaugisState> {
         lo = s;
       else
         hi = s;
-      double step = -err / (yy * slope);
+      const double step = -err / (yy * slope);
+      if (std::fabs(step) < 1e-8) {    // quadratic: what is left is round-off
+        s += step;
+        break;
+      }
       double next = s + std::min(std::max(step, -3.0), 3.0);
       if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-      step = next - s;
       s = next;
-      if (std::fabs(step) < 1e-8) break;
     }
     y = std::exp(s);
     double slope;

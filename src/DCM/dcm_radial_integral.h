@@ -75,12 +75,7 @@ namespace detail {
       uy -= qx * iq - px * ip;
     }
 
-    void collect(double q0, double q1, double &f, double &mx, double &my) const
-    {
-      f += q0 * angle(im, re);
-      mx += q1 * ux;
-      my += q1 * uy;
-    }
+    double turn() const { return angle(im, re); }
   };
 
 }    // namespace detail
@@ -98,6 +93,16 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
   const double ring0 = s.Q0a + 0.5 * s.sigma0 * a2;
   const double ring1 = s.Q1a + s.sigma0 * a2 * s.a / 3.0;
 
+  const auto outside = [&](const detail::Fan &fan) {
+    const double turn = fan.turn();
+    sum.force += s.Q0c * turn;
+    sum.mx += s.Q1c * fan.ux;
+    sum.my += s.Q1c * fan.uy;
+    sum.area += 0.5 * c2 * turn;
+    sum.ax += c2 * s.c / 3.0 * fan.ux;
+    sum.ay += c2 * s.c / 3.0 * fan.uy;
+  };
+
   for (int e = 0; e < poly.n; e++) {
     const double x0 = poly.x0[e], y0 = poly.y0[e], x1 = poly.x1[e], y1 = poly.y1[e];
     const double dx = x1 - x0, dy = y1 - y0;
@@ -110,8 +115,7 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
     if (!detail::inside_circle(b, len2, cross * cross, s.c, lo, hi)) {
       detail::Fan out;
       out.add(x0, y0, x1, y1, cross);
-      out.collect(s.Q0c, s.Q1c, sum.force, sum.mx, sum.my);
-      out.collect(0.5 * c2, c2 * s.c / 3.0, sum.area, sum.ax, sum.ay);
+      outside(out);
       continue;
     }
 
@@ -121,8 +125,7 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
       detail::Fan out;
       if (lo > 0.0) out.add(x0, y0, lx, ly, cross * lo);
       if (hi < 1.0) out.add(hx, hy, x1, y1, cross * (1.0 - hi));
-      out.collect(s.Q0c, s.Q1c, sum.force, sum.mx, sum.my);
-      out.collect(0.5 * c2, c2 * s.c / 3.0, sum.area, sum.ax, sum.ay);
+      outside(out);
     }
     const double within = cross * (hi - lo);
     sum.area += 0.5 * within;
@@ -132,9 +135,13 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
     double la = 0.0, ha = 0.0;
     const bool core = a2 > 0.0 && detail::inside_circle(b, len2, cross * cross, s.a, la, ha);
     if (!core) {
-      detail::Fan ring;
-      if (a2 > 0.0) ring.add(lx, ly, hx, hy, within);
-      ring.collect(ring0, ring1, sum.force, sum.mx, sum.my);
+      if (a2 > 0.0) {
+        detail::Fan ring;
+        ring.add(lx, ly, hx, hy, within);
+        sum.force += ring0 * ring.turn();
+        sum.mx += ring1 * ring.ux;
+        sum.my += ring1 * ring.uy;
+      }
       sum.force -= 0.5 * s.sigma0 * within;
       sum.mx -= s.sigma0 * within * (lx + hx) / 6.0;
       sum.my -= s.sigma0 * within * (ly + hy) / 6.0;
@@ -157,9 +164,21 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
         sum.mx -= s.sigma0 * part * (hx + qx) / 6.0;
         sum.my -= s.sigma0 * part * (hy + qy) / 6.0;
       }
-      ring.collect(ring0, ring1, sum.force, sum.mx, sum.my);
+      sum.force += ring0 * ring.turn();
+      sum.mx += ring1 * ring.ux;
+      sum.my += ring1 * ring.uy;
     }
 
+    if constexpr (State::EXACT_CORE) {
+      const double len = std::sqrt(len2), inv = 1.0 / len;
+      const double tx = dx * inv, ty = dy * inv, h = cross * inv, t = b * inv;
+      double f, normal, along;
+      s.core_edge(h, t + la * len, t + ha * len, f, normal, along);
+      sum.force += f;
+      sum.mx += normal * ty + along * tx;
+      sum.my += along * ty - normal * tx;
+      continue;
+    }
     const double span = ha - la;
     for (int i = 0; i < npoints; i++) {
       const double t = la + span * node[i];
