@@ -137,7 +137,13 @@ class PairDCMContact : public Pair {
 
   // per face of FixDCMCell, this step
 
+  struct Outline {    // what find_candidates() needs of a face
+    float mid[3], reach, center[3], R;
+  };
   std::vector<dcm::FaceGeometry> geometry;
+  std::vector<Outline> outline;
+  double blur = 0.0;              // round-off of an outline, a length
+  std::vector<int> candidates;    // indices into face_pairs
   std::vector<int> face_class;
   std::vector<double> rmax_cell;
 
@@ -161,6 +167,7 @@ class PairDCMContact : public Pair {
   void add_pair(int, int, int *);
   void check_radii();
   void make_faces();
+  void find_candidates();
   template <class State> void dispatch_points();
   template <class State, int POINTS> void dispatch_history();
   template <class State, int POINTS, bool HISTORY> void compute_faces();
