@@ -4,12 +4,17 @@
 //
 //   Gamma_ECM,i v_i + sum_edges gamma (v_i - v_j) + sum_contacts Gamma_cc (v_f - v_g) = F_i
 //
-// kept as a sum of contributed blocks and never assembled. Every block is symmetric and positive
-// semi-definite by its form, and only sees velocity differences, so that the sum conserves
-// momentum; the ECM diagonal alone ties the cells to the surroundings.
+// as a sum of contributed blocks. Every block is symmetric and positive semi-definite by its form,
+// and only sees velocity differences, so that the sum conserves momentum; the ECM diagonal alone
+// ties the cells to the surroundings.
+//
+// The isotropic part of all blocks acts alike on x, y and z: merge() sums it into one sparse matrix
+// of scalars, of which the upper half is kept. Some ten blocks per node shrink to four entries
+// that way. What is left of a block, friction along one direction, stays as it is.
 //
 // Indices are compact unknowns: slot 0 stands for everything that is fixed (velocity 0), then the
-// owned unknowns 1..nowned, then those of other processes. A vector holds 3 numbers per slot.
+// owned unknowns 1..nowned, then those of other processes. A vector holds 4 numbers per slot, the
+// fourth always zero, since processors like to work on four at a time.
 // Units: friction coefficients in force * time / length (um, nN, s: nN s/um).
 
 #ifndef LMP_DCM_FRICTION_H
@@ -41,110 +46,77 @@ struct ContactBlock {
   double normal, tangential;
 };
 
-// an edge block whose part along e is zero: the usual cortex edge, kept apart since it is a
-// quarter of the size
+// iso I between i and j: the usual cortex edge
 
 struct IsoEdge {
   int i, j;
   double iso;
 };
 
+constexpr int STRIDE = 4;    // numbers per slot of a vector
+
 /* ----------------------------------------------------------------------
-   y += block * p, p and y with 3 numbers per slot
+   y += (the part of a block along its direction) * p; returns p . (that part) p
 ------------------------------------------------------------------------- */
 
-inline void add_product(const IsoEdge &b, const double *p, double *y)
+inline double add_along(const EdgeBlock &b, const double *p, double *y)
 {
-  const double *pi = p + 3 * (std::size_t) b.i, *pj = p + 3 * (std::size_t) b.j;
-  double *yi = y + 3 * (std::size_t) b.i, *yj = y + 3 * (std::size_t) b.j;
-  const double fx = b.iso * (pi[0] - pj[0]);
-  const double fy = b.iso * (pi[1] - pj[1]);
-  const double fz = b.iso * (pi[2] - pj[2]);
-  yi[0] += fx;
-  yi[1] += fy;
-  yi[2] += fz;
-  yj[0] -= fx;
-  yj[1] -= fy;
-  yj[2] -= fz;
+  const double *pi = p + STRIDE * (std::size_t) b.i, *pj = p + STRIDE * (std::size_t) b.j;
+  double *yi = y + STRIDE * (std::size_t) b.i, *yj = y + STRIDE * (std::size_t) b.j;
+  double d = 0.0;
+  for (int k = 0; k < 3; k++) d += (pi[k] - pj[k]) * b.e[k];
+  const double c = b.along * d;
+  for (int k = 0; k < 3; k++) yi[k] += c * b.e[k];
+  for (int k = 0; k < 3; k++) yj[k] -= c * b.e[k];
+  return c * d;
 }
 
-inline void add_product(const EdgeBlock &b, const double *p, double *y)
+inline double add_along(const ContactBlock &b, const double *p, double *y)
 {
-  const double *pi = p + 3 * (std::size_t) b.i, *pj = p + 3 * (std::size_t) b.j;
-  double *yi = y + 3 * (std::size_t) b.i, *yj = y + 3 * (std::size_t) b.j;
-  const double dx = pi[0] - pj[0], dy = pi[1] - pj[1], dz = pi[2] - pj[2];
-  const double c = b.along * (dx * b.e[0] + dy * b.e[1] + dz * b.e[2]);
-  const double fx = b.iso * dx + c * b.e[0];
-  const double fy = b.iso * dy + c * b.e[1];
-  const double fz = b.iso * dz + c * b.e[2];
-  yi[0] += fx;
-  yi[1] += fy;
-  yi[2] += fz;
-  yj[0] -= fx;
-  yj[1] -= fy;
-  yj[2] -= fz;
-}
-
-inline void add_product(const ContactBlock &b, const double *p, double *y)
-{
-  double dx = 0.0, dy = 0.0, dz = 0.0;
-  for (int k = 0; k < 6; k++) {
-    const double *pk = p + 3 * (std::size_t) b.n[k];
-    dx += b.w[k] * pk[0];
-    dy += b.w[k] * pk[1];
-    dz += b.w[k] * pk[2];
+  double d = 0.0;
+  for (int l = 0; l < 6; l++) {
+    const double *pl = p + STRIDE * (std::size_t) b.n[l];
+    d += b.w[l] * (pl[0] * b.u[0] + pl[1] * b.u[1] + pl[2] * b.u[2]);
   }
-  const double c = (b.normal - b.tangential) * (dx * b.u[0] + dy * b.u[1] + dz * b.u[2]);
-  const double fx = b.tangential * dx + c * b.u[0];
-  const double fy = b.tangential * dy + c * b.u[1];
-  const double fz = b.tangential * dz + c * b.u[2];
-  for (int k = 0; k < 6; k++) {
-    double *yk = y + 3 * (std::size_t) b.n[k];
-    yk[0] += b.w[k] * fx;
-    yk[1] += b.w[k] * fy;
-    yk[2] += b.w[k] * fz;
+  const double c = (b.normal - b.tangential) * d;
+  for (int l = 0; l < 6; l++) {
+    double *yl = y + STRIDE * (std::size_t) b.n[l];
+    for (int k = 0; k < 3; k++) yl[k] += c * b.w[l] * b.u[k];
   }
+  return c * d;
 }
 
 /* ----------------------------------------------------------------------
-   m += scale (iso I + along e e^T), m a symmetric 3x3 matrix as xx yy zz xy xz yz
+   add c e e^T to a symmetric 3x3 matrix kept as xx yy zz xy xz yz
 ------------------------------------------------------------------------- */
 
-inline void add_symmetric(double *m, double scale, double iso, double along, const double *e)
+inline void add_symmetric(double *m, double c, const double *e)
 {
-  m[0] += scale * (iso + along * e[0] * e[0]);
-  m[1] += scale * (iso + along * e[1] * e[1]);
-  m[2] += scale * (iso + along * e[2] * e[2]);
-  m[3] += scale * along * e[0] * e[1];
-  m[4] += scale * along * e[0] * e[2];
-  m[5] += scale * along * e[1] * e[2];
+  m[0] += c * e[0] * e[0];
+  m[1] += c * e[1] * e[1];
+  m[2] += c * e[2] * e[2];
+  m[3] += c * e[0] * e[1];
+  m[4] += c * e[0] * e[2];
+  m[5] += c * e[1] * e[2];
 }
 
 /* ----------------------------------------------------------------------
-   add the diagonal 3x3 blocks of a block to d, 6 numbers per slot
+   add the diagonal 3x3 blocks of the part along the direction to d, 6 numbers per slot
 ------------------------------------------------------------------------- */
-
-inline void add_diagonal(const IsoEdge &b, double *d)
-{
-  for (int n : {b.i, b.j})
-    for (int k = 0; k < 3; k++) d[6 * (std::size_t) n + k] += b.iso;
-}
 
 inline void add_diagonal(const EdgeBlock &b, double *d)
 {
-  for (int n : {b.i, b.j}) add_symmetric(d + 6 * (std::size_t) n, 1.0, b.iso, b.along, b.e);
+  for (int n : {b.i, b.j}) add_symmetric(d + 6 * (std::size_t) n, b.along, b.e);
 }
 
 inline void add_diagonal(const ContactBlock &b, double *d)
 {
-  // a sum over all pairs of slots with equal index: a node may stand in two slots (both faces
-  // of a cell that touches itself, or an unused slot that repeats another)
+  // a node may stand in two slots: an unused slot repeats another, a cell may touch itself
   for (int k = 0; k < 6; k++) {
     double weight = 0.0;
     for (int l = 0; l < 6; l++)
       if (b.n[l] == b.n[k]) weight += b.w[l];
-    add_symmetric(d + 6 * (std::size_t) b.n[k], b.w[k] * weight, b.tangential,
-                  b.normal - b.tangential, b.u);
+    add_symmetric(d + 6 * (std::size_t) b.n[k], b.w[k] * weight * (b.normal - b.tangential), b.u);
   }
 }
 
@@ -152,7 +124,8 @@ inline void add_diagonal(const ContactBlock &b, double *d)
    the blocks of one process and the products with them
 ------------------------------------------------------------------------- */
 
-struct FrictionSystem {
+class FrictionSystem {
+ public:
   int nowned = 0, nall = 0;    // unknowns: owned, owned + those of other processes
 
   std::vector<double> ecm;    // per slot: scalar diagonal; parts of it may lie on any process
@@ -160,32 +133,167 @@ struct FrictionSystem {
   std::vector<EdgeBlock> edges;
   std::vector<ContactBlock> contacts;
 
-  // y = A p of this process' blocks; slots of other processes are to be added to their owners
+  // scalar diagonal of the isotropic part, per slot, this process' share
 
-  void apply(const double *p, double *y) const
+  std::vector<double> diagonal;
+
+  // to be called when all blocks are there and again after any has changed
+
+  void merge()
   {
     const std::size_t n = (std::size_t) nall + 1;
+    directed.clear();
+    for (const auto &b : edges)
+      if (b.along != 0.0) directed.push_back(b);
+    directed_contacts.clear();
+    for (const auto &b : contacts)
+      if (b.normal != b.tangential) directed_contacts.push_back(b);
+
+    sum_diagonal();
+    first.assign(n + 1, 0);
+    visit_pairs([this](int i, int, double) {
+      first[i + 1]++;
+    });
+    for (std::size_t i = 0; i < n; i++) first[i + 1] += first[i];
+    raw.resize(first[n]);
+    fill.assign(first.begin(), first.end() - 1);
+    visit_pairs([this](int i, int j, double value) {
+      raw[fill[i]++] = {j, value};
+    });
+
+    // sum entries of equal row and column; where[j] is the place of column j in this row
+
+    entries.resize(raw.size());
+    where.assign(n, -1);
+    int total = 0;
+    for (std::size_t i = 0; i < n; i++) {
+      const int begin = total;
+      for (int k = first[i]; k < first[i + 1]; k++) {
+        const int j = raw[k].column;
+        if (where[j] >= begin) {
+          entries[where[j]].value += raw[k].value;
+        } else {
+          where[j] = total;
+          entries[total++] = raw[k];
+        }
+      }
+      first[i] = begin;
+    }
+    first[n] = total;
+    entries.resize(total);
+  }
+
+  // is there friction that depends on the direction?
+
+  bool isotropic() const { return directed.empty() && directed_contacts.empty(); }
+
+  // y = A p of this process' blocks; slots of other processes are to be added to their owners.
+  // Returns this process' share of p . A p
+
+  double apply(const double *p, double *y) const
+  {
+    const std::size_t n = (std::size_t) nall + 1;
+    double sum[STRIDE] = {0.0, 0.0, 0.0, 0.0};
     for (std::size_t i = 0; i < n; i++)
-      for (int k = 0; k < 3; k++) y[3 * i + k] = ecm[i] * p[3 * i + k];
-    for (const auto &b : iso_edges) add_product(b, p, y);
-    for (const auto &b : edges) add_product(b, p, y);
-    for (const auto &b : contacts) add_product(b, p, y);
-    y[0] = y[1] = y[2] = 0.0;
+      for (int k = 0; k < STRIDE; k++) y[STRIDE * i + k] = diagonal[i] * p[STRIDE * i + k];
+    for (std::size_t i = 1; i < n; i++) {
+      double pi[STRIDE], yi[STRIDE];
+      for (int k = 0; k < STRIDE; k++) pi[k] = p[STRIDE * i + k];
+      for (int k = 0; k < STRIDE; k++) yi[k] = y[STRIDE * i + k];
+      for (int m = first[i]; m < first[i + 1]; m++) {
+        const double value = entries[m].value;
+        const double *pj = p + STRIDE * (std::size_t) entries[m].column;
+        double *yj = y + STRIDE * (std::size_t) entries[m].column;
+        for (int k = 0; k < STRIDE; k++) yi[k] += value * pj[k];
+        for (int k = 0; k < STRIDE; k++) yj[k] += value * pi[k];
+      }
+      for (int k = 0; k < STRIDE; k++) y[STRIDE * i + k] = yi[k];    // complete: columns are > i
+      for (int k = 0; k < STRIDE; k++) sum[k] += pi[k] * yi[k];
+    }
+    double along = 0.0;
+    for (const auto &b : directed) along += add_along(b, p, y);
+    for (const auto &b : directed_contacts) along += add_along(b, p, y);
+    for (int k = 0; k < STRIDE; k++) y[k] = 0.0;
+    return sum[0] + sum[1] + sum[2] + along;
   }
 
   // diagonal 3x3 blocks of A, 6 numbers per slot
 
-  void diagonal(double *d) const
+  void diagonal_blocks(double *d) const
   {
     const std::size_t n = (std::size_t) nall + 1;
-    for (std::size_t i = 0; i < n; i++) {
-      d[6 * i] = d[6 * i + 1] = d[6 * i + 2] = ecm[i];
-      d[6 * i + 3] = d[6 * i + 4] = d[6 * i + 5] = 0.0;
-    }
-    for (const auto &b : iso_edges) add_diagonal(b, d);
-    for (const auto &b : edges) add_diagonal(b, d);
-    for (const auto &b : contacts) add_diagonal(b, d);
+    for (std::size_t i = 0; i < n; i++)
+      for (int k = 0; k < 6; k++) d[6 * i + k] = (k < 3) ? diagonal[i] : 0.0;
+    for (const auto &b : directed) add_diagonal(b, d);
+    for (const auto &b : directed_contacts) add_diagonal(b, d);
     for (int k = 0; k < 6; k++) d[k] = 0.0;
+  }
+
+  double memory_usage() const
+  {
+    return (double) sizeof(IsoEdge) * iso_edges.capacity() +
+           (double) sizeof(EdgeBlock) * (edges.capacity() + directed.capacity()) +
+           (double) sizeof(ContactBlock) * (contacts.capacity() + directed_contacts.capacity()) +
+           (double) sizeof(Entry) * (raw.capacity() + entries.capacity()) +
+           (double) sizeof(double) * (ecm.capacity() + diagonal.capacity()) +
+           (double) sizeof(int) * (first.capacity() + fill.capacity() + where.capacity());
+  }
+
+ private:
+  struct Entry {
+    int column;
+    double value;
+  };
+  std::vector<int> first;        // per row: its first entry
+  std::vector<Entry> entries;    // above the diagonal
+  std::vector<Entry> raw;        // before entries of equal place are summed
+  std::vector<int> fill, where;
+  std::vector<EdgeBlock> directed;
+  std::vector<ContactBlock> directed_contacts;
+
+  void sum_diagonal()
+  {
+    diagonal.assign(ecm.begin(), ecm.end());
+    for (const auto &b : iso_edges) {
+      diagonal[b.i] += b.iso;
+      diagonal[b.j] += b.iso;
+    }
+    for (const auto &b : edges) {
+      diagonal[b.i] += b.iso;
+      diagonal[b.j] += b.iso;
+    }
+    for (const auto &b : contacts)
+      for (int k = 0; k < 6; k++) {
+        double weight = 0.0;
+        for (int l = 0; l < 6; l++)
+          if (b.n[l] == b.n[k]) weight += b.w[l];
+        diagonal[b.n[k]] += b.tangential * b.w[k] * weight;
+      }
+    diagonal[0] = 0.0;
+  }
+
+  // all pairs i < j of unknowns with the scalar that couples them
+
+  template <class Pair> void visit_pairs(Pair &&pair)
+  {
+    auto couple = [&pair](int i, int j, double value) {
+      if (i < j)
+        pair(i, j, value);
+      else
+        pair(j, i, value);
+    };
+    for (const auto &b : iso_edges)
+      if (b.i > 0 && b.j > 0) couple(b.i, b.j, -b.iso);
+    for (const auto &b : edges)
+      if (b.i > 0 && b.j > 0 && b.iso != 0.0) couple(b.i, b.j, -b.iso);
+    for (const auto &b : contacts)
+      for (int k = 1; k < 6; k++) {
+        if (b.n[k] == 0 || b.w[k] == 0.0) continue;
+        const double weight = b.tangential * b.w[k];
+        for (int l = 0; l < k; l++)
+          if (b.n[l] > 0 && b.n[l] != b.n[k] && b.w[l] != 0.0)
+            couple(b.n[k], b.n[l], weight * b.w[l]);
+      }
   }
 };
 

@@ -8,6 +8,8 @@
 #ifndef LMP_DCM_FRICTION_COMM_H
 #define LMP_DCM_FRICTION_COMM_H
 
+#include "dcm_friction.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <mpi.h>
@@ -96,7 +98,7 @@ class FrictionComm {
       if (peer.theirs.empty()) continue;
       double *buf = peer.out.data();
       for (const int slot : peer.theirs)
-        for (int k = 0; k < 3; k++) *buf++ = x[3 * (std::size_t) slot + k];
+        for (int k = 0; k < 3; k++) *buf++ = x[STRIDE * (std::size_t) slot + k];
       MPI_Isend(peer.out.data(), 3 * (int) peer.theirs.size(), MPI_DOUBLE, peer.rank, TAG, world,
                 &requests[n++]);
     }
@@ -104,14 +106,14 @@ class FrictionComm {
     for (auto &peer : peers) {
       const double *buf = peer.in.data();
       for (const int slot : peer.mine)
-        for (int k = 0; k < 3; k++) x[3 * (std::size_t) slot + k] = *buf++;
+        for (int k = 0; k < 3; k++) x[STRIDE * (std::size_t) slot + k] = *buf++;
     }
     seconds += MPI_Wtime() - start;
   }
 
   // contributions are added in the order of the processes, so that sums do not depend on timing
 
-  void reverse(double *y, int width)
+  void reverse(double *y, int stride, int width)
   {
     if (peers.empty()) return;
     const double start = MPI_Wtime();
@@ -124,7 +126,7 @@ class FrictionComm {
       if (peer.mine.empty()) continue;
       double *buf = peer.out.data();
       for (const int slot : peer.mine)
-        for (int k = 0; k < width; k++) *buf++ = y[(std::size_t) width * slot + k];
+        for (int k = 0; k < width; k++) *buf++ = y[(std::size_t) stride * slot + k];
       MPI_Isend(peer.out.data(), width * (int) peer.mine.size(), MPI_DOUBLE, peer.rank, TAG, world,
                 &requests[n++]);
     }
@@ -132,7 +134,7 @@ class FrictionComm {
     for (auto &peer : peers) {
       const double *buf = peer.in.data();
       for (const int slot : peer.theirs)
-        for (int k = 0; k < width; k++) y[(std::size_t) width * slot + k] += *buf++;
+        for (int k = 0; k < width; k++) y[(std::size_t) stride * slot + k] += *buf++;
     }
     seconds += MPI_Wtime() - start;
   }

@@ -4,9 +4,9 @@
 // number of processes. All messages go through a small policy class:
 //
 //   struct Communicator {
-//     void forward(double *x);             // owned slots -> copies on other processes, 3 per slot
-//     void reverse(double *y, int n);      // add copies to the owned slots, n numbers per slot
-//     void sum(double *values, int n);     // sum over all processes
+//     void forward(double *x);                       // owned slots of a vector -> their copies
+//     void reverse(double *y, int stride, int n);    // add copies to the owned slots, n of stride
+//     void sum(double *values, int n);               // sum over all processes
 //   };
 //
 // One iteration costs one forward, one reverse and two sums.
@@ -47,32 +47,35 @@ template <class Communicator> class FrictionSolver {
   int maxiter = 500;
   Precondition precondition = Precondition::BLOCK;
 
-  // solve A x = b; b and x with 3 numbers per owned slot (slot 0 = fixed = 0), x has room for all
-  // slots and holds the initial guess; on return also the copies of other processes' unknowns.
-  // keep > 0: leave x alone if it solves the system to keep * tolerance (a restart)
+  // solve A x = b; system merged; b and x with STRIDE numbers per slot, b for owned slots (slot 0 =
+  // fixed = 0), x has room for all and holds the initial guess; on return also the copies of
+  // other processes' unknowns. keep > 0: leave x alone if it solves the system to
+  // keep * tolerance (a restart)
 
   FrictionResult solve(const FrictionSystem &system, const double *b, double *x, Communicator &comm,
                        double keep = 0.0)
   {
-    const std::size_t n = 3 * ((std::size_t) system.nowned + 1);
-    const std::size_t nall = 3 * ((std::size_t) system.nall + 1);
-    resize(n, nall);
+    const std::size_t n = STRIDE * ((std::size_t) system.nowned + 1);
+    const std::size_t nall = STRIDE * ((std::size_t) system.nall + 1);
+    r.resize(n);
+    p.resize(nall);
+    q.resize(nall);
     FrictionResult result;
     result.zero_slot = factor(system, comm);
 
     // r = b - A x
 
-    x[0] = x[1] = x[2] = 0.0;
+    for (int k = 0; k < STRIDE; k++) x[k] = r[k] = 0.0;
     comm.forward(x);
     system.apply(x, q.data());
-    comm.reverse(q.data(), 3);
+    comm.reverse(q.data(), STRIDE, 3);
     double sums[4] = {0.0, 0.0, 0.0, (result.zero_slot >= 0) ? 1.0 : 0.0};
-    for (std::size_t i = 3; i < n; i++) {
-      r[i] = b[i] - q[i];
+    for (std::size_t i = STRIDE; i < n; i++) {
+      r[i] = b[i];
       sums[1] += b[i] * b[i];
-      sums[2] += r[i] * r[i];
+      p[i] = 0.0;
     }
-    sums[0] = condition(n);
+    reduce_residual(n, 1.0, sums);
     comm.sum(sums, 4);
     double rz = sums[0], rr = sums[2];
     result.force = std::sqrt(sums[1]);
@@ -88,35 +91,29 @@ template <class Communicator> class FrictionSolver {
       return finish(result, FrictionResult::CONVERGED, 0.0);
     }
 
-    std::copy(z.begin(), z.begin() + n, p.begin());
+    double alpha = 0.0, beta = 0.0;
     while (rr > goal) {
       if (result.iterations == maxiter) return finish(result, FrictionResult::NOT_CONVERGED, rr);
       result.iterations++;
 
+      advance(n, alpha, beta, x);
       comm.forward(p.data());
-      system.apply(p.data(), q.data());
-      comm.reverse(q.data(), 3);
-      double pq = 0.0;
-      for (std::size_t i = 3; i < n; i++) pq += p[i] * q[i];
+      double pq = system.apply(p.data(), q.data());
+      comm.reverse(q.data(), STRIDE, 3);
       comm.sum(&pq, 1);
       if (!std::isfinite(pq)) return finish(result, FrictionResult::NOT_FINITE, rr);
       if (pq <= 0.0) return finish(result, FrictionResult::INDEFINITE, rr);
 
-      const double alpha = rz / pq;
-      for (std::size_t i = 3; i < n; i++) {
-        x[i] += alpha * p[i];
-        r[i] -= alpha * q[i];
-      }
-      double both[2] = {0.0, 0.0};
-      both[0] = condition(n);
-      for (std::size_t i = 3; i < n; i++) both[1] += r[i] * r[i];
-      comm.sum(both, 2);
-      if (!std::isfinite(both[1])) return finish(result, FrictionResult::NOT_FINITE, both[1]);
-      const double beta = both[0] / rz;
+      alpha = rz / pq;
+      double both[3] = {0.0, 0.0, 0.0};
+      reduce_residual(n, alpha, both);
+      comm.sum(both, 3);
+      if (!std::isfinite(both[2])) return finish(result, FrictionResult::NOT_FINITE, both[2]);
+      beta = both[0] / rz;
       rz = both[0];
-      rr = both[1];
-      for (std::size_t i = 3; i < n; i++) p[i] = z[i] + beta * p[i];
+      rr = both[2];
     }
+    advance(n, alpha, beta, x);
     comm.forward(x);
     return finish(result, FrictionResult::CONVERGED, rr);
   }
@@ -124,62 +121,98 @@ template <class Communicator> class FrictionSolver {
   double memory_usage() const
   {
     return (double) sizeof(double) *
-           (r.capacity() + z.capacity() + p.capacity() + q.capacity() + inverse.capacity());
+           (r.capacity() + p.capacity() + q.capacity() + scalar.capacity() + blocks.capacity());
   }
 
  private:
-  std::vector<double> r, z, p, q;    // residual, preconditioned residual, direction, A direction
-  std::vector<double> inverse;       // of the diagonal blocks, 6 per slot
+  std::vector<double> r, p, q;    // residual, direction, A direction; capacity is kept
+  std::vector<double> scalar;     // inverse diagonal per slot, if it is the same in x, y and z
+  std::vector<double> blocks;     // inverse diagonal blocks else, 6 per slot
+  bool by_scalar = true;
 
-  // capacity is kept, so that nothing is allocated from one step to the next
-
-  void resize(std::size_t n, std::size_t nall)
-  {
-    r.resize(n);
-    z.resize(n);
-    r[0] = r[1] = r[2] = z[0] = z[1] = z[2] = 0.0;
-    p.resize(nall);
-    q.resize(nall);
-    inverse.resize(2 * nall);
-  }
-
-  // inverses of the diagonal blocks; the slot of an unknown without friction or -1
+  // the preconditioner; returns the slot of an unknown without friction, -1 if there is none
 
   int factor(const FrictionSystem &system, Communicator &comm)
   {
-    double *d = inverse.data();
-    system.diagonal(d);
-    comm.reverse(d, 6);
+    double directed = system.isotropic() ? 0.0 : 1.0;
+    comm.sum(&directed, 1);
+    by_scalar = (directed == 0.0) || precondition == Precondition::NONE;
     int zero = -1;
+
+    if (by_scalar) {
+      // without friction along directions, blocks and diagonal are the same
+      scalar.assign(system.diagonal.begin(), system.diagonal.end());
+      comm.reverse(scalar.data(), 1, 1);
+      for (int i = 1; i <= system.nowned; i++) {
+        if (scalar[i] == 0.0 && zero < 0 && directed == 0.0) zero = i;
+        scalar[i] = (scalar[i] == 0.0) ? 0.0 : 1.0 / scalar[i];
+        if (precondition == Precondition::NONE && std::isfinite(scalar[i])) scalar[i] = 1.0;
+      }
+      return zero;
+    }
+
+    blocks.resize(6 * ((std::size_t) system.nall + 1));
+    double *d = blocks.data();
+    system.diagonal_blocks(d);
+    comm.reverse(d, 6, 6);
     for (int i = 1; i <= system.nowned; i++) {
       double *m = d + 6 * (std::size_t) i;
       double block[6] = {m[0], m[1], m[2], m[3], m[4], m[5]};
-      if (precondition != Precondition::BLOCK) block[3] = block[4] = block[5] = 0.0;
-      if (!invert_symmetric(block, m)) {
-        const double trace = block[0] + block[1] + block[2];
-        if (trace == 0.0 && zero < 0) zero = i;
-        for (int k = 0; k < 6; k++)
-          m[k] = (trace == 0.0) ? 0.0 : std::numeric_limits<double>::quiet_NaN();
-      } else if (precondition == Precondition::NONE) {
-        for (int k = 0; k < 6; k++) m[k] = (k < 3) ? 1.0 : 0.0;
-      }
+      if (precondition == Precondition::JACOBI) block[3] = block[4] = block[5] = 0.0;
+      if (invert_symmetric(block, m)) continue;
+      const double trace = block[0] + block[1] + block[2];
+      if (trace == 0.0 && zero < 0) zero = i;
+      for (int k = 0; k < 6; k++)
+        m[k] = (trace == 0.0) ? 0.0 : std::numeric_limits<double>::quiet_NaN();
     }
     return zero;
   }
 
-  // z = M^-1 r; returns this process' part of r.z
+  // z = M^-1 r of one slot
 
-  double condition(std::size_t n)
+  void condition(std::size_t i, double *z) const
   {
-    double rz = 0.0;
-    const double *m = inverse.data() + 6;
-    for (std::size_t i = 3; i < n; i += 3, m += 6) {
-      z[i] = m[0] * r[i] + m[3] * r[i + 1] + m[4] * r[i + 2];
-      z[i + 1] = m[3] * r[i] + m[1] * r[i + 1] + m[5] * r[i + 2];
-      z[i + 2] = m[4] * r[i] + m[5] * r[i + 1] + m[2] * r[i + 2];
-      rz += z[i] * r[i] + z[i + 1] * r[i + 1] + z[i + 2] * r[i + 2];
+    const double *ri = &r[STRIDE * i];
+    if (by_scalar) {
+      for (int k = 0; k < STRIDE; k++) z[k] = scalar[i] * ri[k];
+    } else {
+      const double *m = &blocks[6 * i];
+      z[0] = m[0] * ri[0] + m[3] * ri[1] + m[4] * ri[2];
+      z[1] = m[3] * ri[0] + m[1] * ri[1] + m[5] * ri[2];
+      z[2] = m[4] * ri[0] + m[5] * ri[1] + m[2] * ri[2];
+      z[3] = 0.0;
     }
-    return rz;
+  }
+
+  // r -= alpha q; adds this process' part of r.M^-1 r to sums[0] and of r.r to sums[2]
+
+  void reduce_residual(std::size_t n, double alpha, double *sums)
+  {
+    double rz[STRIDE] = {0.0, 0.0, 0.0, 0.0}, rr[STRIDE] = {0.0, 0.0, 0.0, 0.0};
+    for (std::size_t i = 1; i < n / STRIDE; i++) {
+      double *ri = &r[STRIDE * i];
+      const double *qi = &q[STRIDE * i];
+      double z[STRIDE];
+      for (int k = 0; k < STRIDE; k++) ri[k] -= alpha * qi[k];
+      condition(i, z);
+      for (int k = 0; k < STRIDE; k++) rz[k] += ri[k] * z[k];
+      for (int k = 0; k < STRIDE; k++) rr[k] += ri[k] * ri[k];
+    }
+    sums[0] += rz[0] + rz[1] + rz[2];
+    sums[2] += rr[0] + rr[1] + rr[2];
+  }
+
+  // x += alpha p, then p = M^-1 r + beta p
+
+  void advance(std::size_t n, double alpha, double beta, double *x)
+  {
+    for (std::size_t i = 1; i < n / STRIDE; i++) {
+      double *pi = &p[STRIDE * i], *xi = x + STRIDE * i;
+      double z[STRIDE];
+      condition(i, z);
+      for (int k = 0; k < STRIDE; k++) xi[k] += alpha * pi[k];
+      for (int k = 0; k < STRIDE; k++) pi[k] = z[k] + beta * pi[k];
+    }
   }
 
   FrictionResult finish(FrictionResult result, FrictionResult::Status status, double rr) const

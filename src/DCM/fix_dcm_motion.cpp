@@ -19,9 +19,7 @@
 #include "fix_dcm_cell.h"
 #include "force.h"
 #include "group.h"
-#include "math_const.h"
 #include "modify.h"
-#include "neighbor.h"
 #include "pair_dcm_contact.h"
 #include "update.h"
 #include "utils.h"
@@ -32,12 +30,9 @@
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
-using MathConst::MY_4PI;
+using dcm::STRIDE;
 
 static const char STYLE[] = "Fix dcm/motion";
-
-static constexpr int FIXED = 0;         // slot of everything that does not move
-static constexpr int NOT_ASKED = -1;    // a ghost no block has touched so far
 
 // A velocity that solves the system of setup() to this many times the tolerance is kept: it comes
 // from a restart file or an earlier run, and solving again would only change its last bits.
@@ -245,194 +240,6 @@ void FixDCMMotion::initial_integrate(int /*vflag*/)
   }
 }
 
-/* ----------------------------------------------------------------------
-   owned atom or ghost that belongs to the unknowns
-------------------------------------------------------------------------- */
-
-bool FixDCMMotion::is_unknown(int i) const
-{
-  return (dcm->kind[i] == AtomVecDCM::NODE || dcm->kind[i] == AtomVecDCM::SPHERE) &&
-         (atom->mask[i] & groupbit);
-}
-
-/* ----------------------------------------------------------------------
-   slot of an atom; a ghost gets its own, and a request to its owner, when it is first asked for
-------------------------------------------------------------------------- */
-
-int FixDCMMotion::ask(int i)
-{
-  if (slot[i] != NOT_ASKED) return slot[i];
-  const int j = atom->map(atom->tag[i]);    // one slot for all copies
-  if (slot[j] == NOT_ASKED) {
-    slot[j] = ++system.nall;
-    messages.request((int) owner[j], atom->tag[j], slot[j]);
-  }
-  slot[i] = slot[j];
-  return slot[i];
-}
-
-/* ----------------------------------------------------------------------
-   after a rebuild of the neighbor lists: number the owned unknowns and those ghosts that edges
-   and faces touch; contacts ask for more from step to step
-------------------------------------------------------------------------- */
-
-void FixDCMMotion::make_slots()
-{
-  const int nlocal = atom->nlocal, nghost = atom->nghost;
-  slot.assign(nlocal + nghost, FIXED);
-  atom_of.assign(1, -1);
-  for (int i = 0; i < nlocal; i++) {
-    if (!is_unknown(i)) continue;
-    slot[i] = (int) atom_of.size();
-    atom_of.push_back(i);
-  }
-  system.nowned = system.nall = (int) atom_of.size() - 1;
-
-  std::vector<int> known(comm->nprocs, 0);
-  if (comm->nprocs > 1) {
-    owner.assign(nlocal + nghost, comm->me);
-    comm->forward_comm(this, 1);
-  }
-  for (int i = nlocal; i < nlocal + nghost; i++) {
-    if (!is_unknown(i)) continue;
-    const int j = atom->map(atom->tag[i]);
-    if (j < nlocal)
-      slot[i] = slot[j];
-    else {
-      slot[i] = NOT_ASKED;
-      known[(int) owner[i]]++;
-    }
-  }
-  messages.connect(known);
-
-  face_slots.resize(3 * (size_t) cell->nowned);
-  for (int f = 0; f < cell->nowned; f++)
-    for (int k = 0; k < 3; k++) face_slots[3 * (size_t) f + k] = ask(cell->faces[f].v[k]);
-
-  list_edges();
-  stale = false;
-}
-
-int FixDCMMotion::pack_forward_comm(int n, int *list, double *buf, int, int *)
-{
-  for (int i = 0; i < n; i++) buf[i] = owner[list[i]];
-  return n;
-}
-
-void FixDCMMotion::unpack_forward_comm(int n, int first, double *buf)
-{
-  for (int i = 0; i < n; i++) owner[first + i] = buf[i];
-}
-
-/* ----------------------------------------------------------------------
-   isotropic dashpots do not change until the next rebuild, projected ones turn with their edge
-------------------------------------------------------------------------- */
-
-void FixDCMMotion::list_edges()
-{
-  system.iso_edges.clear();
-  projected_edges.clear();
-  if (!cortex) return;
-  int **bondlist = neighbor->bondlist;
-  for (int n = 0; n < neighbor->nbondlist; n++) {
-    const int btype = bondlist[n][2];
-    const double gamma = cortex->gamma(btype);
-    if (gamma == 0.0) continue;
-    const int i = ask(bondlist[n][0]), j = ask(bondlist[n][1]);
-    if (i == j) continue;    // both fixed
-    if (cortex->projected(btype))
-      projected_edges.push_back(n);
-    else
-      system.iso_edges.push_back({i, j, gamma});
-  }
-}
-
-/* ----------------------------------------------------------------------
-   the blocks of this step
-------------------------------------------------------------------------- */
-
-void FixDCMMotion::assemble()
-{
-  if (stale) make_slots();
-  add_edges();
-  if (contact) add_contacts();
-  messages.update([this](std::int64_t tag) {
-    return slot[atom->map((tagint) tag)];
-  });
-  add_ecm();
-
-  const size_t n = (size_t) system.nall + 1;
-  rhs.resize(3 * n);
-  velocity.resize(3 * n);
-  for (int k = 0; k < 3; k++) rhs[k] = velocity[k] = 0.0;
-  double **f = atom->f, **v = atom->v;
-  for (int s = 1; s <= system.nowned; s++) {
-    const int i = atom_of[s];
-    for (int k = 0; k < 3; k++) {
-      rhs[3 * (size_t) s + k] = f[i][k];
-      velocity[3 * (size_t) s + k] = v[i][k];
-    }
-  }
-}
-
-void FixDCMMotion::add_edges()
-{
-  system.edges.clear();
-  double **x = atom->x;
-  int **bondlist = neighbor->bondlist;
-  for (const int n : projected_edges) {
-    const int i = bondlist[n][0], j = bondlist[n][1];
-    const double dx = x[j][0] - x[i][0], dy = x[j][1] - x[i][1], dz = x[j][2] - x[i][2];
-    const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
-    if (r == 0.0) continue;
-    system.edges.push_back(
-        {slot[i], slot[j], 0.0, cortex->gamma(bondlist[n][2]), {dx / r, dy / r, dz / r}});
-  }
-}
-
-void FixDCMMotion::add_contacts()
-{
-  for (auto block : contact->sphere_blocks()) {
-    block.i = ask(block.i);
-    block.j = ask(block.j);
-    if (block.i != block.j) system.edges.push_back(block);
-  }
-  system.contacts.clear();
-  for (auto block : contact->contact_blocks()) {
-    int any = 0;
-    for (int &n : block.n) any |= n = ask(n);
-    if (any) system.contacts.push_back(block);
-  }
-}
-
-/* ----------------------------------------------------------------------
-   ECM friction acts on the free surface: one third of each incident face's for a node. A small
-   share of the whole area always counts as free, see the doc page
-------------------------------------------------------------------------- */
-
-void FixDCMMotion::add_ecm()
-{
-  system.ecm.assign((size_t) system.nall + 1, 0.0);
-  const double *covered = contact ? contact->contact_area() : nullptr;
-  const int *type = atom->type;
-
-  auto free_area = [&](int i, double area) {
-    return covered ? std::max(area - covered[i], least_free * area) : area;
-  };
-  for (int f = 0; f < cell->nowned; f++) {
-    const auto &face = cell->faces[f];
-    const double share = free_area(face.atom, cell->area[f]) / 3.0;
-    for (int k = 0; k < 3; k++)
-      system.ecm[face_slots[3 * (size_t) f + k]] += friction[type[face.v[k]]] * share;
-  }
-  for (int s = 1; s <= system.nowned; s++) {
-    const int i = atom_of[s];
-    if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
-    const double r = atom->radius[i];
-    system.ecm[s] += friction[type[i]] * free_area(i, MY_4PI * r * r);
-  }
-}
-
 /* ---------------------------------------------------------------------- */
 
 void FixDCMMotion::solve(double keep)
@@ -470,7 +277,7 @@ void FixDCMMotion::spread_velocity()
   for (int i = 0; i < nlocal; i++) {
     const int kind = dcm->kind[i];
     if (kind != AtomVecDCM::NODE && kind != AtomVecDCM::SPHERE) continue;
-    const double *u = &velocity[3 * (size_t) slot[i]];
+    const double *u = &velocity[STRIDE * (size_t) slot[i]];
     for (int k = 0; k < 3; k++) v[i][k] = u[k];
     if (kind == AtomVecDCM::SPHERE) continue;
     for (int k = 0; k < 3; k++) cell_sums[3 * (size_t) cell->cell_of[i] + k] += u[k];
@@ -486,8 +293,8 @@ void FixDCMMotion::spread_velocity()
     double *vf = v[cell->faces[f].atom];
     const int *s = &face_slots[3 * (size_t) f];
     for (int k = 0; k < 3; k++)
-      vf[k] = (velocity[3 * (size_t) s[0] + k] + velocity[3 * (size_t) s[1] + k] +
-               velocity[3 * (size_t) s[2] + k]) /
+      vf[k] = (velocity[STRIDE * (size_t) s[0] + k] + velocity[STRIDE * (size_t) s[1] + k] +
+               velocity[STRIDE * (size_t) s[2] + k]) /
               3.0;
   }
 }
@@ -539,7 +346,7 @@ void FixDCMMotion::check_solution()
     int bad = -1;
     for (int s = system.nowned; s > 0; s--)
       for (int k = 0; k < 3; k++)
-        if (!std::isfinite(rhs[3 * (size_t) s + k])) bad = s;
+        if (!std::isfinite(rhs[STRIDE * (size_t) s + k])) bad = s;
     const auto who = describe(bad);
     if (!who.empty())
       error->all(FLERR,
@@ -579,7 +386,7 @@ void FixDCMMotion::check_move()
   } worst = {0.0, comm->me};
   int s_worst = 0;
   for (int s = 1; s <= system.nowned; s++) {
-    const double *u = &velocity[3 * (size_t) s];
+    const double *u = &velocity[STRIDE * (size_t) s];
     const int i = atom_of[s];
     const double scale = (dcm->kind[i] == AtomVecDCM::NODE) ? edge : atom->radius[i];
     const double move = dt * std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
@@ -642,12 +449,7 @@ double FixDCMMotion::compute_vector(int n)
 
 double FixDCMMotion::memory_usage()
 {
-  return solver.memory_usage() +
-         (double) sizeof(double) * (owner.capacity() + rhs.capacity() + velocity.capacity() +
-                                    system.ecm.capacity() + cell_sums.capacity()) +
-         (double) sizeof(int) * (slot.capacity() + atom_of.capacity() + face_slots.capacity() +
-                                 projected_edges.capacity()) +
-         (double) sizeof(dcm::IsoEdge) * system.iso_edges.capacity() +
-         (double) sizeof(dcm::EdgeBlock) * system.edges.capacity() +
-         (double) sizeof(dcm::ContactBlock) * system.contacts.capacity();
+  return system.memory_usage() + solver.memory_usage() +
+         (double) sizeof(double) * (owner.capacity() + rhs.capacity() + velocity.capacity()) +
+         (double) sizeof(int) * (slot.capacity() + atom_of.capacity() + face_slots.capacity());
 }

@@ -68,7 +68,7 @@ class FixDCMMotion : public Fix {
   std::vector<int> face_slots;          // 3 per owned face
   std::vector<int> projected_edges;     // indices into neighbor->bondlist
   std::vector<double> owner;            // per owned + ghost atom: its process
-  std::vector<double> rhs, velocity;    // 3 per slot
+  std::vector<double> rhs, velocity;    // dcm::STRIDE per slot
   std::vector<double> cell_sums;
 
   double largest_move;          // dt |v| over mean edge (node) or radius (sphere)
