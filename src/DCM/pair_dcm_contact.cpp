@@ -59,6 +59,8 @@ void PairDCMContact::compute(int eflag, int vflag)
   count = Counters();
   if (neighbor->ago == 0 || built != neighbor->lastcall) sort_pairs();
   count.pairs = (bigint) face_pairs.size() + mixed_pairs.size() + sphere_pairs.size();
+  if (update->setupflag) check_start();
+  checked_step = update->ntimestep;
   count.list_seconds = platform::walltime() - start;
 
   const int nall = atom->nlocal + atom->nghost;
@@ -85,9 +87,6 @@ void PairDCMContact::compute(int eflag, int vflag)
   if (want_partners) merge_partners();
 
   if (vflag_fdotr) virial_fdotr_compute();
-
-  if (update->setupflag) check_start();
-  checked_step = update->ntimestep;
 
   pvector[0] = (double) count.pairs;
   pvector[1] = (double) count.contacts;
@@ -356,7 +355,7 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
     const auto &face = faces[fi], &other = faces[gi];
     const double overlap = -apart.dot(r.u);
     if (!(overlap <= overlap_used) || !std::isfinite(r.force))
-      fail_pair(face.atom, other.atom, overlap, r.force);
+      fail_pair(face.atom, other.atom, overlap, overlap_used, r.force);
     count.overlap = std::max(count.overlap, overlap);
     count.contacts++;
     count.area += r.area;
@@ -411,7 +410,8 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mi
 
     const auto &face = faces[fi];
     const double overlap = radius - apart.dot(r.u);
-    if (!(overlap <= radius) || !std::isfinite(r.force)) fail_pair(face.atom, j, overlap, r.force);
+    if (!(overlap <= radius) || !std::isfinite(r.force))
+      fail_pair(face.atom, j, overlap, radius, r.force);
     count.contacts++;
     count.area += r.area;
 
@@ -508,7 +508,7 @@ void PairDCMContact::compute_spheres(int eflag)
 
     const double a = jkr.contact_radius(delta);
     const double force = jkr.force_of_radius(a);
-    if (!(d > 0.0) || !std::isfinite(force)) fail_pair(i, j, delta, force);
+    if (!(d > 0.0) || !std::isfinite(force)) fail_pair(i, j, delta, delta, force);
     const Vec3 u = del / d;
     const double patch = dcm::PI * a * a;
     count.contacts++;
@@ -560,7 +560,7 @@ void PairDCMContact::merge_partners()
 
 /* ---------------------------------------------------------------------- */
 
-void PairDCMContact::fail_pair(int i, int j, double overlap, double force)
+void PairDCMContact::fail_pair(int i, int j, double overlap, double limit, double force)
 {
   if (!std::isfinite(force) || !std::isfinite(overlap))
     error->one(FLERR,
@@ -573,7 +573,7 @@ void PairDCMContact::fail_pair(int i, int j, double overlap, double force)
              "by {:.4} at step {}, more than {:.4}; reduce the timestep or fix dcm/motion maxmove, "
              "give the cells a stiffer or tenser cortex, or raise keyword range",
              atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
-             update->ntimestep, overlap_used);
+             update->ntimestep, limit);
 }
 
 /* ----------------------------------------------------------------------

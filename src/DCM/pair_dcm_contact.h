@@ -47,7 +47,7 @@ class PairDCMContact : public Pair {
     double area = 0.0;      // total contact area
     double overlap = 0.0;   // largest overlap of faces
     double seconds = 0.0;   // wall time of compute()
-    double list_seconds = 0.0;    // of it, sorting a new neighbor list
+    double list_seconds = 0.0;    // of it, sorting a new neighbor list and checks
   };
 
   PairDCMContact(class LAMMPS *);
@@ -177,7 +177,7 @@ class PairDCMContact : public Pair {
   void add_partner(tagint, tagint, double);
   void merge_partners();
   void check_start();
-  [[noreturn]] void fail_pair(int, int, double, double);
+  [[noreturn]] void fail_pair(int, int, double, double, double);
 };
 
 }    // namespace LAMMPS_NS
