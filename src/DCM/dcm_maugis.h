@@ -130,40 +130,19 @@ struct MaugisState : RadialLaw<MaugisState> {
                    : false;
     }
 
-    // start: A between Hertz-DMT and JKR, y from the limits of the first equation
-    const double pos = std::max(D, 0.0);
-    const double l2 = lambda * lambda;
-    const double start_A = std::sqrt(pos + 1.92 * l2 / (l2 + 0.5) + 0.05);
-    const double ya = std::cbrt(1.5 / (lambda * start_A * start_A));
-    const double yb = std::sqrt(1.5 / start_A) / lambda;
-    double s = std::min(std::log(ya * yb / (ya + yb)), upper);
-    double lo = -40.0, hi = upper;
-    for (iterations = 1; iterations < 80; iterations++) {
-      const double yy = std::exp(s);
-      double slope;
-      const double err = branch(lambda, yy, A, slope) - D;
-      if (err > 0.0)
-        lo = s;
-      else
-        hi = s;
-      const double step = -err / (yy * slope);
-      if (std::fabs(step) < 1e-8) {    // quadratic: what is left is round-off
-        s += step;
-        break;
-      }
-      double next = s + std::min(std::max(step, -3.0), 3.0);
-      if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-      s = next;
-    }
-    y = std::exp(s);
-    double slope;
-    branch(lambda, y, A, slope);
+    invert(lambda, D, start(lambda, D, D0), -40.0, upper, A, y, iterations);
     C = A * std::sqrt(1.0 + y * y);
     return true;
   }
 
   /// D on the touching branch, its derivative with respect to y, and A.
   static double branch(double lambda, double y, double &A, double &slope)
+  {
+    double dA;
+    return branch(lambda, y, A, slope, dA);
+  }
+
+  static double branch(double lambda, double y, double &A, double &slope, double &dA)
   {
     double phi;
     const double f = detail::gap_function(y, phi);
@@ -175,7 +154,7 @@ struct MaugisState : RadialLaw<MaugisState> {
     const double df = 2.0 * y * (phi + q);
     const double db = c1 * (phi + q - y / m);
     A = 2.0 / (b + S);
-    const double dA = -A * (0.5 * lambda * df * A + db) / S;
+    dA = -A * (0.5 * lambda * df * A + db) / S;
     slope = 2.0 * A * dA - 4.0 / 3.0 * lambda * (A + y * dA);
     return A * A - 4.0 / 3.0 * A * lambda * y;
   }
@@ -192,6 +171,105 @@ struct MaugisState : RadialLaw<MaugisState> {
     A = y = 0.0;
     C = q + std::sqrt(disc);
     return true;
+  }
+
+  /// Safeguarded Newton iteration for ln y in [lo, hi] from s; bisection where Newton leaves the
+  /// bracket, so it ends for any start.
+  static void invert(double lambda, double D, double s, double lo, double hi, double &A, double &y,
+                     int &iterations)
+  {
+    s = std::min(s, hi);
+    y = std::exp(s);
+    for (iterations = 1; iterations < 80; iterations++) {
+      double slope, dA;
+      const double err = branch(lambda, y, A, slope, dA) - D;
+      if (err > 0.0)
+        lo = s;
+      else
+        hi = s;
+      double step = -err / (y * slope);
+      if (std::fabs(step) < 2e-7) {    // quadratic: the rest is below round-off of D
+        A += dA * y * step;
+        y += y * step;
+        return;
+      }
+      step = std::min(std::max(step, -3.0), 3.0);
+      if (!(s + step > lo && s + step < hi)) step = 0.5 * (lo + hi) - s;
+      s += step;
+      y = std::fabs(step) < 0.01 ? y * (1.0 + step * (1.0 + 0.5 * step)) : std::exp(s);
+    }
+  }
+
+  /// Rough ln y: A between Hertz-DMT and JKR, y from the limits of the first equation.
+  static double rough_start(double lambda, double D)
+  {
+    const double l2 = lambda * lambda;
+    const double A = std::sqrt(std::max(D, 0.0) + 1.92 * l2 / (l2 + 0.5) + 0.05);
+    const double ya = std::cbrt(1.5 / (lambda * A * A));
+    const double yb = std::sqrt(1.5 / A) / lambda;
+    return std::log(ya * yb / (ya + yb));
+  }
+
+  /// Table of ln y over ln lambda and ln(D - D0), where it is smooth, for the start of the
+  /// iteration only: the result does not depend on it.
+  struct StartTable {
+    static constexpr int NL = 40, NT = 100;
+    static constexpr double L0 = -5.3, DL = 11.0 / (NL - 1);    // lambda 0.005 to 300
+    static constexpr double T0 = -9.3, DT = 21.0 / (NT - 1);    // D - D0 1e-4 to 1e5
+    double value[NL][NT];
+
+    StartTable()
+    {
+      for (int i = 0; i < NL; i++) {
+        const double lambda = std::exp(L0 + i * DL);
+        const double D0 = touch_end(lambda);
+        double Dmin;
+        const double upper = pull_off(lambda, Dmin);
+        for (int j = 0; j < NT; j++) {
+          // below the pull-off there is nothing: any smooth value will do
+          const double D = std::max(D0 + std::exp(T0 + j * DT), Dmin + 1e-3);
+          double A, y;
+          int it;
+          invert(lambda, D, rough_start(lambda, D), -40.0, upper, A, y, it);
+          value[i][j] = std::log(y);
+        }
+      }
+    }
+  };
+
+  static double start(double lambda, double D, double D0)
+  {
+    static const StartTable table;
+    const double l = (std::log(lambda) - StartTable::L0) / StartTable::DL;
+    const double t = D > D0 ? (std::log(D - D0) - StartTable::T0) / StartTable::DT : -1.0;
+    if (!(l >= 1.0 && l < StartTable::NL - 2.0 && t >= 1.0 && t < StartTable::NT - 2.0))
+      return rough_start(lambda, D);
+    const int i = static_cast<int>(l), j = static_cast<int>(t);
+    double wl[4], wt[4];
+    cubic(l - i, wl);
+    cubic(t - j, wt);
+    double sum = 0.0;
+    for (int p = 0; p < 4; p++) {
+      const double *v = &table.value[i - 1 + p][j - 1];
+      sum += wl[p] * (wt[0] * v[0] + wt[1] * v[1] + wt[2] * v[2] + wt[3] * v[3]);
+    }
+    return sum;
+  }
+
+  /// Weights of the cubic through the points -1, 0, 1, 2 at x.
+  static void cubic(double x, double w[4])
+  {
+    w[0] = -x * (x - 1.0) * (x - 2.0) / 6.0;
+    w[1] = (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0;
+    w[2] = -(x + 1.0) * x * (x - 2.0) / 2.0;
+    w[3] = (x + 1.0) * x * (x - 1.0) / 6.0;
+  }
+
+  /// D at the end of the touching branch, a = 0.
+  static double touch_end(double lambda)
+  {
+    const double b0 = 4.0 / 3.0 * lambda * lambda * (0.5 * PI - 1.0);
+    return -8.0 / 3.0 * lambda / (b0 + std::sqrt(b0 * b0 + PI * lambda));
   }
 
   /// ln y of the smallest overlap on the touching branch, for necks only.
