@@ -66,6 +66,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   const int nall = atom->nlocal + atom->nghost;
   area.assign(nall, 0.0);
   if (want_stress) stress.assign(nall, 0.0);
+  if (want_virial) moment.assign(nall, 0.0);
   contacts.clear();
   spheres.clear();
   partner_list.clear();
@@ -83,7 +84,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   }
 
   commmode = SUMS;
-  comm->reverse_comm(this, want_stress ? 2 : 1);
+  comm->reverse_comm(this, 1 + want_stress + want_virial);
   if (want_partners) merge_partners();
 
   if (vflag_fdotr) virial_fdotr_compute();
@@ -423,6 +424,7 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mi
       stress[face.atom] += r.force;
       stress[j] += r.force;
     }
+    if (want_virial) moment[j] += r.force * (radius - 0.5 * r.delta);
     if (want_partners) add_partner(atom->molecule[face.atom], atom->molecule[j], r.area);
     if (want_blocks)
       contacts.push_back({{face.v[0], face.v[1], face.v[2], j, j, j},
@@ -521,6 +523,10 @@ void PairDCMContact::compute_spheres(int eflag)
       stress[i] += force;
       stress[j] += force;
     }
+    if (want_virial) {
+      moment[i] += 0.5 * d * force;
+      moment[j] += 0.5 * d * force;
+    }
     if (want_partners) add_partner(atom->molecule[i], atom->molecule[j], patch);
     if (want_blocks)
       spheres.push_back({i, j, patch * mat.gt, patch * (mat.gn - mat.gt), {u[0], u[1], u[2]}});
@@ -592,6 +598,7 @@ int PairDCMContact::pack_reverse_comm(int n, int first, double *buf)
     } else if (kind == AtomVecDCM::SPHERE || kind == AtomVecDCM::FACE) {
       buf[m++] = area[i];
       if (want_stress) buf[m++] = stress[i];
+      if (want_virial && kind == AtomVecDCM::SPHERE) buf[m++] = moment[i];
     }
   }
   return m;
@@ -609,6 +616,7 @@ void PairDCMContact::unpack_reverse_comm(int n, int *list, double *buf)
     } else if (kind == AtomVecDCM::SPHERE || kind == AtomVecDCM::FACE) {
       area[i] += buf[m++];
       if (want_stress) stress[i] += buf[m++];
+      if (want_virial && kind == AtomVecDCM::SPHERE) moment[i] += buf[m++];
     }
   }
 }

@@ -75,12 +75,17 @@ class PairDCMContact : public Pair {
   const double *contact_area() const { return area.data(); }
 
   // ask in init(), every run: normal contact force per face or sphere (compression positive),
-  // contact area per pair of cells, friction blocks
+  // contact area per pair of cells, friction blocks, virial of spheres
   void request_stress() { want_stress = true; }
   void request_partners() { want_partners = true; }
   void request_blocks() { want_blocks = true; }
+  void request_virial() { want_virial = true; }
   const double *normal_force() const { return stress.data(); }
   const std::vector<Partner> &partners() const { return partner_list; }
+
+  // per owned sphere, sum over its contacts of repulsive force times distance from the center:
+  // half the distance of two spheres, or that to the plane of contact with a face
+  const double *sphere_virial() const { return moment.data(); }
 
   const Counters &counters() const { return count; }
   double h0() const { return h0_used; }
@@ -118,7 +123,7 @@ class PairDCMContact : public Pair {
   std::vector<dcm::ContactMaterial> table;     // class x class, class = 4 (type - 1) + region
   int nclass;
   bool have_spheres, have_faces, any_apparent, use_history;
-  bool want_stress, want_partners, want_blocks;
+  bool want_stress, want_partners, want_blocks, want_virial = false;
   double mean_edge, face_radius_max, own_cutoff;
   bigint built, checked_step, checked_atoms;
 
@@ -147,7 +152,7 @@ class PairDCMContact : public Pair {
   std::vector<int> face_class;
   std::vector<double> rmax_cell;
 
-  std::vector<double> area, stress, modulus, near_sum, near_count;    // per atom
+  std::vector<double> area, stress, moment, modulus, near_sum, near_count;    // per atom
   std::vector<dcm::ContactBlock> contacts;
   std::vector<dcm::EdgeBlock> spheres;
   std::vector<Partner> partner_list;

@@ -61,7 +61,7 @@ PairDCMContact::PairDCMContact(LAMMPS *lmp) :
   beyond_contact = 1;    // a neck outlives the overlap: history is kept for all listed pairs
   centroidstressflag = CENTROID_NOTAVAIL;
   comm_forward = 1;
-  comm_reverse = 2;
+  comm_reverse = 3;
   nextra = 4;
   pvector = new double[nextra]();
 
@@ -187,7 +187,7 @@ void PairDCMContact::init_style()
 
   // others ask for these in their init(), which comes later
 
-  want_stress = want_partners = false;
+  want_stress = want_partners = want_virial = false;
   want_blocks = !modify->get_fix_by_style("^dcm/motion").empty();
   built = -1;
 
