@@ -103,16 +103,39 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
     sum.ay += c2 * s.c / 3.0 * fan.uy;
   };
 
+  // first the circle r = c: many polygons lie beyond it, some enclose it
+  double len2s[Boundary2::MAXSEG], crosses[Boundary2::MAXSEG], dots[Boundary2::MAXSEG];
+  double los[Boundary2::MAXSEG], his[Boundary2::MAXSEG];
+  bool met = false, enclosed = true;
   for (int e = 0; e < poly.n; e++) {
+    const double x0 = poly.x0[e], y0 = poly.y0[e];
+    const double dx = poly.x1[e] - x0, dy = poly.y1[e] - y0;
+    const double len2 = dx * dx + dy * dy;
+    const double cross = x0 * dy - y0 * dx, b = x0 * dx + y0 * dy;
+    len2s[e] = len2;
+    crosses[e] = cross;
+    dots[e] = b;
+    los[e] = his[e] = 0.0;
+    if (detail::inside_circle(b, len2, cross * cross, s.c, los[e], his[e]))
+      met = true;
+    else
+      his[e] = los[e] = 0.0;
+    if (!(cross > 0.0)) enclosed = false;
+  }
+  if (!met) {
+    if (enclosed && poly.n > 0) {
+      sum.force += 2.0 * PI * s.Q0c;
+      sum.area += PI * c2;
+    }
+    return;
+  }
+
+  for (int e = 0; e < poly.n; e++) {
+    const double len2 = len2s[e], cross = crosses[e], b = dots[e], lo = los[e], hi = his[e];
+    if (!(len2 > 0.0)) continue;
     const double x0 = poly.x0[e], y0 = poly.y0[e], x1 = poly.x1[e], y1 = poly.y1[e];
     const double dx = x1 - x0, dy = y1 - y0;
-    const double len2 = dx * dx + dy * dy;
-    if (!(len2 > 0.0)) continue;
-    const double cross = x0 * dy - y0 * dx;
-    const double b = x0 * dx + y0 * dy;
-
-    double lo, hi;
-    if (!detail::inside_circle(b, len2, cross * cross, s.c, lo, hi)) {
+    if (!(lo < hi)) {
       detail::Fan out;
       out.add(x0, y0, x1, y1, cross);
       outside(out);
