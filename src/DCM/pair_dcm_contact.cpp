@@ -17,9 +17,7 @@
 #include "dcm_jkr.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
-#include "fix_neigh_history.h"
 #include "force.h"
-#include "neigh_list.h"
 #include "neighbor.h"
 #include "platform.h"
 #include "update.h"
@@ -94,119 +92,6 @@ void PairDCMContact::compute(int eflag, int vflag)
   pvector[2] = count.area;
   count.seconds = platform::walltime() - start;
   pvector[3] = count.seconds;
-}
-
-/* ----------------------------------------------------------------------
-   after each rebuild: sort the neighbor list by kind, so that the loops of
-   every step neither look up kinds nor meet pairs that never interact
-------------------------------------------------------------------------- */
-
-void PairDCMContact::sort_pairs()
-{
-  check_radii();
-  built = neighbor->lastcall;
-  face_pairs.clear();
-  mixed_pairs.clear();
-  sphere_pairs.clear();
-  face_touch.clear();
-  mixed_touch.clear();
-  sphere_touch.clear();
-
-  for (int ii = 0; ii < list->inum; ii++) {
-    const int i = list->ilist[ii];
-    if (!types[atom->type[i]].active) continue;
-    const int *jlist = list->firstneigh[i];
-    const int jnum = list->numneigh[i];
-    int *touch = use_history ? fix_history->firstflag[i] : nullptr;
-    for (int jj = 0; jj < jnum; jj++) {
-      const int j = jlist[jj] & NEIGHMASK;
-      if (types[atom->type[j]].active) add_pair(i, j, touch ? touch + jj : nullptr);
-    }
-  }
-
-  used_faces.clear();
-  if (!fix_cell) return;
-  geometry.resize(fix_cell->faces.size());
-  outline.resize(fix_cell->faces.size());
-  face_class.assign(fix_cell->faces.size(), -1);
-  auto use = [this](int f) {
-    if (face_class[f] >= 0) return;
-    face_class[f] = 0;
-    used_faces.push_back(f);
-  };
-  for (const auto &pair : face_pairs) {
-    use(pair.f);
-    use(pair.g);
-  }
-  for (const auto &pair : mixed_pairs) use(pair.i);
-
-  const auto &faces = fix_cell->faces;
-  for (int f : used_faces) {
-    const int *v = faces[f].v;
-    if (v[0] >= 0 && v[1] >= 0 && v[2] >= 0) continue;
-    error->one(
-        FLERR,
-        "Pair style dcm/contact: a vertex of face {} (cell {}) lies beyond the ghost cutoff "
-        "at step {}; nodes must be known {:.4} away: set 'comm_modify cutoff {:.4}' or, with "
-        "mode multi, this cutoff for the atom types of nodes",
-        atom->tag[faces[f].atom], atom->molecule[faces[f].atom], update->ntimestep, own_cutoff,
-        own_cutoff);
-  }
-}
-
-/* ----------------------------------------------------------------------
-   the two faces stand in the order of their IDs, so that a pair is computed
-   in the same way on whatever rank
-------------------------------------------------------------------------- */
-
-void PairDCMContact::add_pair(int i, int j, int *touch)
-{
-  const int ki = dcm->kind[i], kj = dcm->kind[j];
-  if (atom->molecule[i] == atom->molecule[j]) return;
-  if (ki == AtomVecDCM::FACE && kj == AtomVecDCM::FACE) {
-    if (atom->tag[i] > atom->tag[j]) std::swap(i, j);
-    face_pairs.push_back({fix_cell->face_of[i], fix_cell->face_of[j]});
-    if (use_history && set.history) face_touch.push_back(touch);
-  } else if (ki == AtomVecDCM::SPHERE && kj == AtomVecDCM::SPHERE) {
-    if (atom->tag[i] > atom->tag[j]) std::swap(i, j);
-    sphere_pairs.push_back({i, j});
-    sphere_touch.push_back(touch);
-  } else if (ki == AtomVecDCM::FACE && kj == AtomVecDCM::SPHERE) {
-    mixed_pairs.push_back({fix_cell->face_of[i], j});
-    if (use_history && set.history) mixed_touch.push_back(touch);
-  } else if (ki == AtomVecDCM::SPHERE && kj == AtomVecDCM::FACE) {
-    mixed_pairs.push_back({fix_cell->face_of[j], i});
-    if (use_history && set.history) mixed_touch.push_back(touch);
-  }
-}
-
-/* ----------------------------------------------------------------------
-   a face or sphere larger than what the list was built for may miss partners
-------------------------------------------------------------------------- */
-
-void PairDCMContact::check_radii()
-{
-  for (int i = 0; i < atom->nlocal; i++) {
-    const TypeInfo &info = types[atom->type[i]];
-    const int kind = dcm->kind[i];
-    if (kind != AtomVecDCM::FACE && kind != AtomVecDCM::SPHERE) continue;
-    if (!info.used) continue;
-    if (!info.active)
-      error->one(FLERR,
-                 "Pair style dcm/contact: atom {} is a {} but its type {} held none when the run "
-                 "started; give faces and spheres atom types of their own",
-                 atom->tag[i], kind == AtomVecDCM::FACE ? "face" : "sphere", atom->type[i]);
-    if (kind == AtomVecDCM::FACE && !fix_cell)
-      error->one(FLERR, "Pair style dcm/contact: face {} appeared without a fix dcm/cell",
-                 atom->tag[i]);
-    if (atom->radius[i] > info.promise)
-      error->one(FLERR,
-                 "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step "
-                 "{}, beyond the {:.4} for which the neighbor list was prepared at the start of "
-                 "this run; split the run ('run N every M') or look for a mesh that falls apart",
-                 kind == AtomVecDCM::FACE ? "face" : "sphere", atom->tag[i], atom->molecule[i],
-                 atom->radius[i], update->ntimestep, info.promise);
-  }
 }
 
 /* ----------------------------------------------------------------------
@@ -562,24 +447,6 @@ void PairDCMContact::merge_partners()
       partner_list[n++] = partner_list[m];
   }
   partner_list.resize(n);
-}
-
-/* ---------------------------------------------------------------------- */
-
-void PairDCMContact::fail_pair(int i, int j, double overlap, double limit, double force)
-{
-  if (!std::isfinite(force) || !std::isfinite(overlap))
-    error->one(FLERR,
-               "Pair style dcm/contact: the contact of cells {} and {} (atoms {} and {}) has force "
-               "{} at step {}; coincident cells, or a timestep too large",
-               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], force,
-               update->ntimestep);
-  error->one(FLERR,
-             "Pair style dcm/contact: cells {} and {} run into each other: atoms {} and {} overlap "
-             "by {:.4} at step {}, more than {:.4}; reduce the timestep or fix dcm/motion maxmove, "
-             "give the cells a stiffer or tenser cortex, or raise keyword range",
-             atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
-             update->ntimestep, limit);
 }
 
 /* ----------------------------------------------------------------------
