@@ -354,8 +354,9 @@ void FixDCMMotion::check_solution()
                  "timestep or check the parameters of the force styles",
                  STYLE, kind_name(who[2]), who[0], who[1], step);
     error->all(FLERR,
-               "{}: a friction coefficient is not a finite number at step {}; check gamma, "
-               "friction_normal, friction_tangential and friction_ecm",
+               "{}: the friction system overflows at step {}: a friction coefficient is not a "
+               "finite number or a force is far too large; check gamma, friction_normal, "
+               "friction_tangential, friction_ecm and what pushes the cells",
                STYLE, step);
   }
   if (last.status == Result::NOT_CONVERGED)
