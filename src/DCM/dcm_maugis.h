@@ -94,18 +94,26 @@ struct MaugisState : RadialLaw<MaugisState> {
 
   void core(double r2, double &q0, double &q1) const
   {
-    const double w = std::sqrt(std::max(0.0, a * a - r2));
+    const double a2 = a * a, c2 = c * c;
+    const double w = std::sqrt(std::max(0.0, a2 - r2));
     q0 = hertz * detail::hertz_q0(a, w);
-    q1 = hertz * detail::hertz_q1(a, r2, w);
-    if (!(root_k > 0.0)) return;
-    if (r2 < SERIES * a * a) {
-      q0 += dugdale_series(r2, 0);
-      q1 += dugdale_series(r2, 1);
-    } else {
-      const double phi = detail::atan_quadrant(root_k, w);
-      q0 += dugdale * core_sum(r2, w, phi) / r2;
-      q1 += dugdale_q1(r2, w, phi);
+    if (!(root_k > 0.0) || r2 < SERIES * a2) {
+      q1 = hertz * detail::hertz_q1(a, r2, w);
+      if (root_k > 0.0) {
+        q0 += dugdale_series(r2, 0);
+        q1 += dugdale_series(r2, 1);
+      }
+      return;
     }
+    const double r = std::sqrt(r2), inv = 1.0 / (r * r2);
+    const double phi = detail::atan_quadrant(root_k, w);    // asin sqrt(k/(c^2-r^2))
+    const double theta = detail::atan_quadrant(r, w);       // asin(r/a)
+    const double psi = detail::atan_quadrant(root_k * r, c * w);
+    // B(r) - B(0), B = (c^2-r^2) phi + sqrt(k (a^2-r^2))
+    q0 += dugdale * ((c2 - r2) * phi + root_k * w - core_base) * (r * inv);
+    const double bracket = c2 * c * psi - root_k * (0.5 * (a2 * theta - r * w) + c2 * theta);
+    q1 = 0.125 * hertz * (a2 * a2 * theta - r * (a2 - 2.0 * r2) * w) * inv -
+         2.0 / 3.0 * dugdale * (phi - bracket * inv);
   }
 
   /// Dimensionless state for Maugis parameter lambda and overlap D: contact radius A, y =
@@ -286,22 +294,6 @@ struct MaugisState : RadialLaw<MaugisState> {
     }
     Dmin = branch(lambda, std::exp(lo), A, slope);
     return lo;
-  }
-
-  /// B(r) - B(0), B = w asin sqrt(k/w) + sqrt(k (w - k)), w = c^2 - r^2.
-  double core_sum(double r2, double root, double phi) const
-  {
-    return (c * c - r2) * phi + root_k * root - core_base;
-  }
-
-  double dugdale_q1(double r2, double root, double phi) const
-  {
-    const double r = std::sqrt(r2), c2 = c * c;
-    const double theta = detail::atan_quadrant(r, root);
-    const double psi = detail::atan_quadrant(root_k * r, c * root);
-    // a^2 sin(2 theta)/2 = r sqrt(a^2 - r^2)
-    const double bracket = -root_k * (0.5 * (a * a * theta - r * root) + c2 * theta) + c2 * c * psi;
-    return -2.0 / 3.0 * dugdale * (phi - bracket / (r * r2));
   }
 
   /// Dugdale part of Q0/r^2 (moment 0) or Q1/r^3 (moment 1) as a power series in r^2.
