@@ -19,7 +19,7 @@
 #include "dcm_volume.h"
 #include "domain.h"
 #include "error.h"
-#include "fix_dcm_cell.h"
+#include "modify.h"
 #include "update.h"
 
 #include <algorithm>
@@ -92,7 +92,22 @@ void FixDCMVolume::init()
 
 void FixDCMVolume::setup_pre_reverse(int eflag, int vflag)
 {
+  for (const auto &fix : modify->get_fix_by_style("^dcm/volume$")) {
+    const auto *const other = dynamic_cast<FixDCMVolume *>(fix);
+    if (!other || other == this) continue;
+    for (const auto &it : cell->cells)
+      if (acts_on(it) && other->acts_on(it))
+        error->all(FLERR,
+                   "{}: fixes {} and {} both act on cell {}, its pressure would count twice; give "
+                   "them different groups or cell types",
+                   STYLE, id, other->id, it.molecule);
+  }
   pre_reverse(eflag, vflag);
+}
+
+bool FixDCMVolume::acts_on(const FixDCMCell::Cell &it) const
+{
+  return K_V[it.type] > 0.0 && (it.mask & groupbit);
 }
 
 /* ----------------------------------------------------------------------
@@ -122,8 +137,8 @@ void FixDCMVolume::cell_pressures()
   pressure.assign(cell->cells.size(), 0.0);
   for (size_t c = 0; c < cell->cells.size(); c++) {
     FixDCMCell::Cell &it = cell->cells[c];
+    if (!acts_on(it)) continue;
     const double K = K_V[it.type];
-    if (K < 0.0 || !(it.mask & groupbit)) continue;
     if (!(it.volume > 0.0) || !std::isfinite(it.volume) || !(it.volume0 > 0.0))
       error->all(
           FLERR,

@@ -17,7 +17,7 @@ FixStyle(dcm/volume,FixDCMVolume);
 #ifndef LMP_FIX_DCM_VOLUME_H
 #define LMP_FIX_DCM_VOLUME_H
 
-#include "fix.h"
+#include "fix_dcm_cell.h"
 
 #include <vector>
 
@@ -40,13 +40,14 @@ class FixDCMVolume : public Fix {
   double memory_usage() override;
 
  private:
-  class FixDCMCell *cell;
+  FixDCMCell *cell;
   std::vector<double> K_V;         // per atom type, < 0: not acted on
   bool voronoi;                    // the source's form of the force instead of the gradient
   std::vector<double> pressure;    // per cell, 0 for cells not acted on
   double energy, mean, lowest, highest;
   std::vector<double> node;    // voronoi only, per atom: area, curvature vector, normal
 
+  bool acts_on(const FixDCMCell::Cell &) const;
   void cell_pressures();
   void gradient_forces();
   void voronoi_forces();
