@@ -70,7 +70,8 @@ FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
   while (iarg < narg) {
     const std::string key = arg[iarg];
     if (std::find(KEYWORDS.begin(), KEYWORDS.end(), key) == KEYWORDS.end())
-      error->all(FLERR, "{}: unknown keyword {}; known: {}", STYLE, key, utils::join_words(KEYWORDS, " "));
+      error->all(FLERR, "{}: unknown keyword {}; known: {}", STYLE, key,
+                 utils::join_words(KEYWORDS, " "));
     const int nvalues = key == "center" || key == "plane" ? 2 : 1;
     if (iarg + nvalues >= narg)
       error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, nvalues,
