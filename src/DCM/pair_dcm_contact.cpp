@@ -205,6 +205,25 @@ template <class State, int POINTS> void PairDCMContact::dispatch_history()
   }
 }
 
+/* ----------------------------------------------------------------------
+   do the projections along the axis lie on two sides of a line? Tried is the line across the
+   connection of their centroids, which settles most pairs at a fraction of the full test.
+------------------------------------------------------------------------- */
+
+static inline bool separated(const dcm::FaceGeometry &f, const dcm::FaceGeometry &g,
+                             const Vec3 &apart)
+{
+  if (!(f.R > 0.0 && g.R > 0.0)) return false;    // concave: the axis may be another one
+  const Vec3 axis = g.center - f.center;
+  const Vec3 side = apart - axis * (apart.dot(axis) / axis.squaredNorm());
+  double front = 0.0, back = 0.0;
+  for (int k = 0; k < 3; k++) {
+    front = std::max(front, side.dot(f.x[k] - f.mid));
+    back = std::max(back, side.dot(g.mid - g.x[k]));
+  }
+  return front + back < side.squaredNorm();
+}
+
 /* ---------------------------------------------------------------------- */
 
 template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_faces()
@@ -231,7 +250,7 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
     const Vec3 apart = g.mid - f.mid;
     const double bound = f.reach + g.reach + range_used;
     const dcm::ContactMaterial &mat = table[face_class[fi] * nclass + face_class[gi]];
-    if (!(apart.squaredNorm() < bound * bound) ||
+    if (!(apart.squaredNorm() < bound * bound) || (!HISTORY && separated(f, g, apart)) ||
         !dcm::face_face<State>(f, g, mat, POINTS, r, HISTORY && *face_touch[n])) {
       if (HISTORY) *face_touch[n] = 0;
       continue;
