@@ -451,23 +451,6 @@ void PairDCMContact::add_partner(tagint a, tagint b, double patch)
     partner_list.push_back({a, b, patch});
 }
 
-void PairDCMContact::merge_partners()
-{
-  std::stable_sort(partner_list.begin(), partner_list.end(),
-                   [](const Partner &p, const Partner &q) {
-                     return p.molecule != q.molecule ? p.molecule < q.molecule : p.other < q.other;
-                   });
-  size_t n = 0;
-  for (size_t m = 0; m < partner_list.size(); m++) {
-    if (n && partner_list[n - 1].molecule == partner_list[m].molecule &&
-        partner_list[n - 1].other == partner_list[m].other)
-      partner_list[n - 1].area += partner_list[m].area;
-    else
-      partner_list[n++] = partner_list[m];
-  }
-  partner_list.resize(n);
-}
-
 /* ----------------------------------------------------------------------
    only faces and spheres have anything to communicate
 ------------------------------------------------------------------------- */

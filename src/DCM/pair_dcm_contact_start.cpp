@@ -399,6 +399,27 @@ void PairDCMContact::fail_pair(int i, int j, double overlap, double limit, doubl
 }
 
 /* ----------------------------------------------------------------------
+   each pair of cells once; the order of a stable sort, so that sums repeat
+------------------------------------------------------------------------- */
+
+void PairDCMContact::merge_partners()
+{
+  std::stable_sort(partner_list.begin(), partner_list.end(),
+                   [](const Partner &p, const Partner &q) {
+                     return p.molecule != q.molecule ? p.molecule < q.molecule : p.other < q.other;
+                   });
+  size_t n = 0;
+  for (size_t m = 0; m < partner_list.size(); m++) {
+    if (n && partner_list[n - 1].molecule == partner_list[m].molecule &&
+        partner_list[n - 1].other == partner_list[m].other)
+      partner_list[n - 1].area += partner_list[m].area;
+    else
+      partner_list[n++] = partner_list[m];
+  }
+  partner_list.resize(n);
+}
+
+/* ----------------------------------------------------------------------
    restart files keep the settings and the lengths derived from the mesh;
    cell types come again from pair_coeff
 ------------------------------------------------------------------------- */
