@@ -4,6 +4,7 @@ Environment, all set by tools/test: DCM_LMP (the lmp executable), LAMMPS_PLUGIN_
 (the folder that holds dcmplugin.so), optionally DCM_MPIEXEC (mpirun).
 """
 
+import itertools
 import os
 import shutil
 import subprocess
@@ -214,6 +215,11 @@ LEVEL_FACES = {0: 20, 1: 80, 2: 320, 3: 1280}
 NODE, FACE, CENTER, SPHERE = 3, 4, 2, 1  # atom kinds
 
 
+def words(*numbers):
+    """Numbers for a deck, exact."""
+    return " ".join(repr(float(x)) for x in numbers)
+
+
 class Scene:
     """Text of a deck, part by part. One cell type: atom types 1 center, 2 node, 3 face, 4 sphere.
 
@@ -223,7 +229,7 @@ class Scene:
     NAMES = "hepatoblast hepatoblast hepatoblast hepatoblast_cbm"
 
     def __init__(self, box=20.0, boundary="s s s", level=1, parameters=PARAMETERS):
-        self.box = np.broadcast_to(np.asarray(box, dtype=float), 3)  # half lengths
+        self.box = [float(a) for a in np.broadcast_to(box, 3)]  # half lengths
         self.boundary, self.level, self.parameters = boundary, level, parameters
         self.cells, self.tags, self.next_tag = [], [], 1
 
@@ -232,7 +238,7 @@ class Scene:
         level = self.level if level is None else level
         shape = f"file {mesh[0]}" if mesh else f"icosphere {level}"
         self.cells.append(
-            f"create_cells single hep dcm {x!r} {y!r} {z!r} {radius!r} dcm hep 1 2 3 1 1 "
+            f"create_cells single hep dcm {words(x, y, z, radius)} dcm hep 1 2 3 1 1 "
             f"mesh {shape} {options}"
         )
         nodes, faces = mesh[1:] if mesh else (LEVEL_NODES[level], LEVEL_FACES[level])
@@ -240,7 +246,7 @@ class Scene:
 
     def cbm(self, x, y, z, radius):
         """Center-based cell; returns its tag."""
-        self.cells.append(f"create_cells single cbm cbm {x!r} {y!r} {z!r} {radius!r} cbm cbm 4")
+        self.cells.append(f"create_cells single cbm cbm {words(x, y, z, radius)} cbm cbm 4")
         return self._tag(1)
 
     def _tag(self, natoms):
@@ -253,7 +259,7 @@ class Scene:
         return (
             "units lj\natom_style dcm\nnewton on\n"
             f"boundary {self.boundary}\n"
-            f"region box block {-a!r} {a!r} {-b!r} {b!r} {-c!r} {c!r}\n"
+            f"region box block {words(-a, a, -b, b, -c, c)}\n"
             "create_box 4 box bond/types 1 dihedral/types 1 "
             "extra/bond/per/atom 8 extra/dihedral/per/atom 8\n"
             "mass * 1.0\n" + "\n".join(self.cells) + "\n"
@@ -355,6 +361,48 @@ def hybrid(level=1, boundary="s s s", box=(26.0, 26.0, 13.0), shift=(0.0, 0.0, 0
     return scene
 
 
+# --- meshes, independent of the package's own -----------------------------------------------------
+
+
+def icosphere(level):
+    """Nodes (n, 3) on the unit sphere and outward faces (m, 3)."""
+    g = (1 + 5**0.5) / 2
+    nodes = [v for a in (-1, 1) for b in (-g, g) for v in ((0, a, b), (a, b, 0), (b, 0, a))]
+    nodes = [np.array(v) / np.linalg.norm(v) for v in nodes]
+    edge = min(np.linalg.norm(nodes[0] - v) for v in nodes[1:])
+    faces = []
+    for t in itertools.combinations(range(12), 3):
+        a, b, c = (nodes[i] for i in t)
+        if all(abs(np.linalg.norm(d) - edge) < 1e-9 for d in (a - b, b - c, c - a)):
+            faces.append(t if np.dot(np.cross(b - a, c - a), a) > 0 else t[::-1])
+    for _ in range(level):
+        middle = {}
+
+        def mid(i, j):
+            key = (min(i, j), max(i, j))
+            if key not in middle:
+                m = nodes[i] + nodes[j]
+                middle[key] = len(nodes)
+                nodes.append(m / np.linalg.norm(m))
+            return middle[key]
+
+        faces = [
+            t
+            for a, b, c in faces
+            for ab, bc, ca in [(mid(a, b), mid(b, c), mid(c, a))]
+            for t in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))
+        ]
+    return np.array(nodes), np.array(faces)
+
+
+def off(nodes, faces):
+    """Text of an OFF file."""
+    lines = ["OFF", f"{len(nodes)} {len(faces)} 0"]
+    lines += [" ".join(f"{x:.17g}" for x in node) for node in nodes]
+    lines += ["3 " + " ".join(map(str, face)) for face in faces]
+    return "\n".join(lines) + "\n"
+
+
 class Scenes:
     """The builders above, for tests (conftest.py cannot be imported by name)."""
 
@@ -365,6 +413,9 @@ class Scenes:
     dump = staticmethod(dump_command)
     thermo = staticmethod(thermo_command)
     read_dump = staticmethod(read_dump)
+    icosphere = staticmethod(icosphere)
+    off = staticmethod(off)
+    words = staticmethod(words)
 
 
 @pytest.fixture(scope="session")
