@@ -62,8 +62,8 @@ void CreateCells::command(int narg, char **arg)
   // atoms that are its own, so that the result is the same on any number of ranks
 
   for (const auto &request : requests) {
-    const auto type = types.find(request.name);
-    if (type == types.end() || type->second.deformable != request.deformable)
+    const auto type = types.find({request.name, request.deformable});
+    if (type == types.end())
       error->all(FLERR, "Create_cells: no atom types for {} cells of type {}; add '{} {} {}'",
                  request.deformable ? "deformable" : "center-based", request.name,
                  request.deformable ? "dcm" : "cbm", request.name,
@@ -168,7 +168,7 @@ int CreateCells::parse_keyword(int narg, char **arg)
 
   if (keyword == "dcm") {
     const int used = need(6);
-    CellType type = {true, 0, 0, 0, 0, 0};
+    CellType type;
     type.center = type_number(keyword, arg[2], atom->ntypes);
     type.node = type_number(keyword, arg[3], atom->ntypes);
     type.face = type_number(keyword, arg[4], atom->ntypes);
@@ -179,13 +179,13 @@ int CreateCells::parse_keyword(int narg, char **arg)
                  "Create_cells: cell type {}: center, node and face need three different "
                  "atom types",
                  arg[1]);
-    types[arg[1]] = type;
+    types[{arg[1], true}] = type;
     return used;
   }
   if (keyword == "cbm") {
     const int used = need(2);
     const int type = type_number(keyword, arg[2], atom->ntypes);
-    types[arg[1]] = {false, type, type, type, 0, 0};
+    types[{arg[1], false}] = {type, type, type, 0, 0};
     return used;
   }
   if (keyword == "mesh") {
@@ -329,7 +329,8 @@ bool CreateCells::create(const double *coord, int type, int kind, tagint tag, ta
 
 void CreateCells::create_sphere(const Request &request, tagint tag, tagint molecule)
 {
-  if (create(request.x.data(), types[request.name].center, AtomVecDCM::SPHERE, tag, molecule))
+  if (create(request.x.data(), types[{request.name, false}].center, AtomVecDCM::SPHERE, tag,
+             molecule))
     atom->radius[atom->nlocal - 1] = request.radius;
 }
 
@@ -339,7 +340,7 @@ void CreateCells::create_sphere(const Request &request, tagint tag, tagint molec
 
 void CreateCells::create_deformable(const Request &request, tagint tag, tagint molecule)
 {
-  const CellType &type = types[request.name];
+  const CellType &type = types[{request.name, true}];
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   if (rotate_seed) {
     dcm::Random random(rotate_seed, molecule, 0);

@@ -36,7 +36,6 @@ class CreateCells : public Command {
 
  private:
   struct CellType {    // atom, bond and dihedral types of a named cell type
-    bool deformable;
     int center, node, face, bond, dihedral;
   };
 
@@ -48,7 +47,7 @@ class CreateCells : public Command {
   };
 
   struct DCMAtoms *dcm = nullptr;
-  std::map<std::string, CellType> types;
+  std::map<std::pair<std::string, bool>, CellType> types;    // by name and deformable
   std::vector<Request> requests;
   dcm::Mesh mesh;    // shape of all deformable cells, mean radius 1
   std::vector<std::array<int, 4>> hinges;

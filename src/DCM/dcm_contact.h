@@ -162,6 +162,18 @@ namespace detail {
 
 }    // namespace detail
 
+namespace detail {
+  /// How far a face looks along the axis of a contact: 0 when tilted by more than 60 degrees from
+  /// it, 1 below 45 degrees, smooth between. Faces of surfaces that touch look at each other; what
+  /// the sphere of a tilted face reports, beside an edge or fold of its own cell, is no contact.
+  inline double facing(double cosine)
+  {
+    constexpr double NONE = 0.5, FULL = 0.70710678118654752;
+    const double s = std::min(std::max((cosine - NONE) / (FULL - NONE), 0.0), 1.0);
+    return s * s * (3.0 - 2.0 * s);
+  }
+}    // namespace detail
+
 /// Contact of two faces.
 /// \param npoints  Gauss points per edge piece inside the core of the contact, 1 to 4
 /// \param existing the pair was in contact before: law maugis then keeps its neck below -h0
@@ -203,6 +215,8 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
   const double delta = Rf + Rg - sense * d;
   if (!existing && !(delta > mat.first_touch())) return false;
   const Vec3 u = axis / d;
+  const double weight = detail::facing(f.n.dot(u)) * detail::facing(-g.n.dot(u));
+  if (!(weight > 0.0)) return false;
 
   // distance of the nearer triangle from the axis against the largest possible contact radius
   const double R = Rf * Rg / (Rf + Rg);
@@ -230,6 +244,7 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
   RadialSums sum;
   radial_integral(state, poly, npoints, sum);
   if (!(sum.area > 0.0)) return false;
+  sum.scale(weight);
 
   out.u = u;
   out.delta = delta;
@@ -253,7 +268,9 @@ template <class State>
 bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
                  const ContactMaterial &mat, int npoints, ContactResult &out, bool existing = false)
 {
-  if (!(radius > 0.0)) return false;
+  // a sphere whose center is behind the face's plane does not touch it from outside; the fictitious
+  // sphere of a flat face reaches far beyond the face and would find an overlap there
+  if (!(radius > 0.0) || !(f.n.dot(center - f.mid) > 0.0)) return false;
   Vec3 cf = f.center;
   double Rf = f.R;
   double sense = 1.0;
@@ -270,6 +287,8 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   const double delta = Rf + radius - sense * d;
   if (!existing && !(delta > mat.first_touch())) return false;
   const Vec3 u = axis / d;
+  const double weight = detail::facing(f.n.dot(u));
+  if (!(weight > 0.0)) return false;
 
   const double R = Rf * radius / (Rf + radius);
   if (!existing) {
@@ -296,6 +315,7 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   RadialSums sum;
   radial_integral(state, poly, npoints, sum);
   if (!(sum.area > 0.0)) return false;
+  sum.scale(weight);
 
   out.u = u;
   out.delta = delta;

@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 
 using namespace LAMMPS_NS;
@@ -144,7 +145,8 @@ double DCMParameters::number(const char *keyword, const char *text, Range range)
 {
   if (!utils::is_double(text))
     error->all(FLERR, "{}: {} is '{}', expected a number", asking, keyword, text);
-  return check(keyword, utils::numeric(FLERR, text, false, lmp), range, "");
+  // not utils::numeric(), whose error about a number like 1e999 names neither style nor keyword
+  return check(keyword, std::strtod(text, nullptr), range, "");
 }
 
 double DCMParameters::check(const std::string &keyword, double value, Range range,

@@ -60,7 +60,8 @@ FixDCMVolume::FixDCMVolume(LAMMPS *lmp, int narg, char **arg) :
   }
   K_V.assign(atom->ntypes + 1, -1.0);
   for (int i = 1; i <= atom->ntypes; i++)
-    if (parameters.used(i)) K_V[i] = parameters.get(i, "K_V", DCMParameters::POSITIVE);
+    if (parameters.used(i) && holds_centers(i))
+      K_V[i] = parameters.get(i, "K_V", DCMParameters::POSITIVE);
 
   scalar_flag = 1;
   extscalar = 1;
@@ -103,6 +104,21 @@ void FixDCMVolume::setup_pre_reverse(int eflag, int vflag)
                    STYLE, id, other->id, it.molecule);
   }
   pre_reverse(eflag, vflag);
+}
+
+/* ----------------------------------------------------------------------
+   only types of deformable cells need a K_V, so that one list of names can
+   serve all styles of a deck
+------------------------------------------------------------------------- */
+
+bool FixDCMVolume::holds_centers(int itype) const
+{
+  const int *kind = AtomVecDCM::require(lmp, STYLE)->kind;
+  int found = 0;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->type[i] == itype && kind[i] == AtomVecDCM::CENTER) found = 1;
+  MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_MAX, world);
+  return found > 0;
 }
 
 bool FixDCMVolume::acts_on(const FixDCMCell::Cell &it) const

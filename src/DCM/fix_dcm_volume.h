@@ -47,6 +47,7 @@ class FixDCMVolume : public Fix {
   double energy, mean, lowest, highest;
   std::vector<double> node;    // voronoi only, per atom: area, curvature vector, normal
 
+  bool holds_centers(int) const;
   bool acts_on(const FixDCMCell::Cell &) const;
   void cell_pressures();
   void gradient_forces();

@@ -309,14 +309,14 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mi
         !dcm::face_sphere<State>(f, vec(x[j]), radius, mat, POINTS, r,
                                  HISTORY && *mixed_touch[n])) {
       if (HISTORY) *mixed_touch[n] = 0;
+      if (apart.squaredNorm() < 0.25 * radius * radius && f.n.dot(apart) <= 0.0)
+        fail_pair(faces[fi].atom, j, radius - f.n.dot(apart), radius, 0.0);
       continue;
     }
     if (HISTORY) *mixed_touch[n] = 1;
 
     const auto &face = faces[fi];
-    const double overlap = radius - apart.dot(r.u);
-    if (!(overlap <= radius) || !std::isfinite(r.force))
-      fail_pair(face.atom, j, overlap, radius, r.force);
+    if (!std::isfinite(r.force)) fail_pair(face.atom, j, r.delta, radius, r.force);
     count.contacts++;
     count.area += r.area;
 

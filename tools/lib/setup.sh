@@ -94,10 +94,7 @@ unpack_lammps() {
   say "unpacking LAMMPS"
   rm -rf "$LAMMPS_HOME/unpack"
   mkdir -p "$LAMMPS_HOME/unpack"
-  tar -xf "$archive" -C "$LAMMPS_HOME/unpack" --strip-components=1 --wildcards \
-    '*/src' '*/cmake' '*/potentials/*.granular' '*/LICENSE' 2>/dev/null ||
-    tar -xf "$archive" -C "$LAMMPS_HOME/unpack" --strip-components=1 ||
-    die "cannot unpack $archive"
+  tar -xf "$archive" -C "$LAMMPS_HOME/unpack" --strip-components=1 || die "cannot unpack $archive"
   mv "$LAMMPS_HOME/unpack" "$LAMMPS_HOME/source"
 }
 
@@ -115,7 +112,7 @@ build_lammps() {
   local pid=$! last="" now
   while kill -0 $pid 2>/dev/null; do
     sleep 2
-    now=$(grep -oE '^\[ *[0-9]+%\]' "$LAMMPS_HOME/build.log" 2>/dev/null | tail -n 1 | tr -dc 0-9)
+    now=$(grep -oE '^\[ *[0-9]+%\]' "$LAMMPS_HOME/build.log" 2>/dev/null | tail -n 1 | tr -dc 0-9 || true)
     if [ -n "$now" ] && [ "${now%?}" != "${last%?}" ]; then say "  LAMMPS $now %"; last=$now; fi
   done
   wait $pid || { tail -n 20 "$LAMMPS_HOME/build.log" >&2; die "LAMMPS did not build"; }
@@ -146,4 +143,61 @@ ensure_lammps() {
   exec 9>&-
   LAMMPS_SOURCE_DIR=$LAMMPS_HOME/source/src
   DCM_LMP=$LAMMPS_HOME/build/lmp
+}
+
+# --- the plugin ---------------------------------------------------------------------------------
+
+# $1: ON to build the unit tests as well
+ensure_plugin() {
+  local log=$DCM_BUILD/build.log
+  mkdir -p "$DCM_BUILD"
+  exec 8>"$DCM_BUILD/lock"
+  flock 8
+  {
+    cmake -S "$DCM_ROOT" -B "$DCM_BUILD" -D LAMMPS_SOURCE_DIR="$LAMMPS_SOURCE_DIR" \
+      -D LAMMPS_SIZES="${LAMMPS_SIZES:-SMALLBIG}" -D DCM_TESTS="${1:-OFF}"
+  } >"$log" 2>&1 || { tail -n 20 "$log" >&2; die "cmake failed; log: $log"; }
+  # say so only if there is something to do
+  if ! make -C "$DCM_BUILD" --question >/dev/null 2>&1; then
+    say "building the plugin; log: $log"
+  fi
+  cmake --build "$DCM_BUILD" --parallel "$DCM_JOBS" >>"$log" 2>&1 ||
+    { grep -E 'error|Error' "$log" | head -n 20 >&2; die "the plugin did not build; log: $log"; }
+  exec 8>&-
+}
+
+# --- Python -------------------------------------------------------------------------------------
+
+# a virtual environment in the cache folder, one per content of tools/requirements.txt
+ensure_python() {
+  local sum venv
+  sum=$(cat "$DCM_ROOT/tools/requirements.txt" <(python3 --version) | sha256sum | cut -c1-12)
+  venv=$DCM_CACHE/python-$sum
+  mkdir -p "$DCM_CACHE"
+  exec 7>"$venv.lock"
+  flock 7
+  if [ ! -f "$venv/done" ]; then
+    say "preparing the Python environment (once; MDAnalysis, VTK and others from PyPI)"
+    rm -rf "$venv"
+    python3 -m venv "$venv" || die "python3 -m venv failed"
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+      -r "$DCM_ROOT/tools/requirements.txt" || die "pip could not install tools/requirements.txt"
+    touch "$venv/done"
+  fi
+  exec 7>&-
+  DCM_PYTHON=$venv/bin/python
+  export PYTHONPATH=$DCM_ROOT/tools${PYTHONPATH:+:$PYTHONPATH}
+}
+
+# --- running ------------------------------------------------------------------------------------
+
+export_run_environment() {
+  export DCM_LMP DCM_BUILD
+  export LAMMPS_PLUGIN_PATH=$DCM_BUILD
+  export LAMMPS_POTENTIALS=$DCM_ROOT/potentials
+  export OMP_NUM_THREADS=1
+  export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none
+  if [ "$(id -u)" -eq 0 ]; then
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  fi
 }
