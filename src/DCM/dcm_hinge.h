@@ -18,13 +18,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace dcm {
 
-/// Forces on the four atoms of a hinge (nN), its angle (rad) and its energy (nN um).
+/// Forces on the four atoms of a hinge (nN) and its energy (nN um).
 struct Hinge {
   Vec3 f1, f2, f3, f4;
-  double theta, energy;
+  double energy;
 };
 
 /// A triangle whose height over the hinge edge is below this fraction of its longest side counts
@@ -43,7 +44,8 @@ inline double hinge_angle(const Vec3 &x1, const Vec3 &x2, const Vec3 &x3, const 
 
 /// Energy U = kb (1 - cos(theta - theta0)) and its exact negative gradient (moment: S1 eq 4).
 /// kb in nN um, theta0 in rad. If one of the triangles is degenerate (see HINGE_SLIVER) the angle
-/// is undefined: forces and energy are zero and theta is theta0, so the result stays finite.
+/// is undefined: forces and energy are zero, so the result stays finite. Runs once per hinge and
+/// step, so it works with sine and cosine of the angle and never computes the angle itself.
 inline Hinge hinge(double kb, double theta0, const Vec3 &x1, const Vec3 &x2, const Vec3 &x3,
                    const Vec3 &x4)
 {
@@ -58,21 +60,24 @@ inline Hinge hinge(double kb, double theta0, const Vec3 &x1, const Vec3 &x2, con
   const double longest1 = std::max({ee, aa, ee + aa - 2.0 * ae});
   const double longest2 = std::max({ee, bb, ee + bb - 2.0 * be});
   constexpr double tiny = HINGE_SLIVER * HINGE_SLIVER;
-  if (mm1 <= tiny * ee * longest1 || mm2 <= tiny * ee * longest2) {
+  if (mm1 <= tiny * ee * longest1 || mm2 <= tiny * ee * longest2 ||
+      mm1 * mm2 < std::numeric_limits<double>::min()) {
     h.f1 = h.f2 = h.f3 = h.f4 = Vec3::Zero();
-    h.theta = theta0;
     h.energy = 0.0;
     return h;
   }
 
-  const double l = std::sqrt(ee);
-  h.theta = std::atan2(-l * a.dot(m2), m1.dot(m2));
+  const double l = std::sqrt(ee), scale = 1.0 / std::sqrt(mm1 * mm2);
+  double sine = -l * a.dot(m2) * scale, cosine = m1.dot(m2) * scale;
+  if (theta0 != 0.0) {
+    const double s0 = std::sin(theta0), c0 = std::cos(theta0), s = sine;
+    sine = s * c0 - cosine * s0;
+    cosine = cosine * c0 + s * s0;
+  }
 
-  // half angles: 1 - cos loses all digits for a nearly relaxed hinge, 2 sin^2 does not
-  const double half = 0.5 * (h.theta - theta0);
-  const double s = std::sin(half), c = std::cos(half);
-  h.energy = 2.0 * kb * s * s;
-  const double moment = 2.0 * kb * s * c;
+  // 1 - cos loses all digits for a nearly relaxed hinge, sin^2/(1 + cos) does not
+  h.energy = kb * (cosine > 0.0 ? sine * sine / (1.0 + cosine) : 1.0 - cosine);
+  const double moment = kb * sine;
 
   // dtheta/dx1 = -n1/height1; the opposite force acts at the foot of the height on the edge,
   // shared between x2 and x3 by the lever rule: this is what makes the torque vanish
