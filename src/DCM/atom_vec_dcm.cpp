@@ -108,6 +108,19 @@ void AtomVecDCM::init_slots(int i)
   for (int m = 0; m < atom->dihedral_per_atom; m++) data->theta0[i][m] = UNSET_THETA0;
 }
 
+// read_data adds the slots after the atoms, once it has counted bonds and dihedrals
+
+void AtomVecDCM::grow_pointers()
+{
+  for (int i = 0; i < atom->nmax; i++) {
+    const bool exists = i < atom->nlocal;
+    for (int m = exists ? atom->num_bond[i] : 0; m < atom->bond_per_atom; m++)
+      data->l0[i][m] = UNSET_L0;
+    for (int m = exists ? atom->num_dihedral[i] : 0; m < atom->dihedral_per_atom; m++)
+      data->theta0[i][m] = UNSET_THETA0;
+  }
+}
+
 void AtomVecDCM::create_atom_post(int ilocal)
 {
   init_slots(ilocal);
@@ -153,9 +166,11 @@ void AtomVecDCM::data_atom_post(int ilocal)
   init_slots(ilocal);
 }
 
+// num_bond counts the new bond already
+
 void AtomVecDCM::data_bonds_post(int m, int num_bond, tagint, tagint, tagint)
 {
-  data->l0[m][num_bond] = UNSET_L0;
+  data->l0[m][num_bond - 1] = UNSET_L0;
 }
 
 /* ----------------------------------------------------------------------

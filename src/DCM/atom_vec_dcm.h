@@ -40,6 +40,7 @@ class AtomVecDCM : public AtomVec {
   static constexpr double UNSET_L0 = -1.0, UNSET_THETA0 = 10.0;
 
   AtomVecDCM(class LAMMPS *);
+  void grow_pointers() override;
   void create_atom_post(int) override;
   void data_atom_post(int) override;
   void data_bonds_post(int, int, tagint, tagint, tagint) override;
