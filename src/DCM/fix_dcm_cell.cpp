@@ -92,6 +92,7 @@ void FixDCMCell::setup_pre_force(int vflag)
 void FixDCMCell::pre_neighbor()
 {
   gather_cells();
+  snap_centers();
   build_faces();
   count_members();
   move_faces();
@@ -221,6 +222,40 @@ void FixDCMCell::count_members()
 }
 
 /* ----------------------------------------------------------------------
+   after a rebuild measure from a grid point near each center: in a run that goes
+   on the center atom was moved by its velocity, in one that restarts here it is
+   the mean node, and the two differ in the last bits
+------------------------------------------------------------------------- */
+
+void FixDCMCell::snap_centers()
+{
+  for (auto &cell : cells) {
+    if (!(cell.volume0 > 0.0)) continue;
+    const double unit = std::exp2(std::floor(std::log2(cell.volume0) / 3.0) - 4.0);
+    for (double &x : cell.x) x = unit * std::round(x / unit);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   a face without all its vertices: too few ghosts, or the node is gone
+------------------------------------------------------------------------- */
+
+void FixDCMCell::missing_vertex(int i, tagint vertex)
+{
+  const double cutoff = comm->get_comm_cutoff(), need = 2.0 * atom->radius[i] + neighbor->skin;
+  if (comm->nprocs > 1 && cutoff < need)
+    error->one(FLERR,
+               "Fix dcm/cell: vertex {} of face {} (cell {}) is not known to this rank at step {}: "
+               "the ghost cutoff {:.4} is below an edge length; set 'comm_modify cutoff {:.4}'",
+               vertex, atom->tag[i], atom->molecule[i], update->ntimestep, cutoff, need);
+  error->one(FLERR,
+             "Fix dcm/cell: vertex {} of face {} (cell {}) does not exist at step {}: it was "
+             "deleted (delete whole cells only), is missing in the data file, or was lost through "
+             "a fixed boundary (use 'boundary s' or p, or reduce the timestep)",
+             vertex, atom->tag[i], atom->molecule[i], update->ntimestep);
+}
+
+/* ----------------------------------------------------------------------
    faces and the local indices of their vertices, owned faces first
 ------------------------------------------------------------------------- */
 
@@ -234,15 +269,10 @@ void FixDCMCell::build_faces()
     if (dcm->kind[i] != AtomVecDCM::FACE) continue;
     Face face = {i, {-1, -1, -1}, -1};
     for (int k = 0; k < 3; k++) {
-      const int j = atom->map(atom->tag[i] + dcm->vertex[i][k]);
+      const tagint tag = atom->tag[i] + dcm->vertex[i][k];
+      const int j = tag > atom->map_tag_max ? -1 : atom->map(tag);    // map() does not check
       if (j >= 0) face.v[k] = domain->closest_image(i, j);
-      if (face.v[k] < 0 && i < nlocal)
-        error->one(FLERR,
-                   "Fix dcm/cell: vertex {} of face {} is not known to this rank; the node "
-                   "does not exist, or the ghost cutoff {} is below an edge length: set "
-                   "'comm_modify cutoff' to at least {}",
-                   atom->tag[i] + dcm->vertex[i][k], atom->tag[i], comm->get_comm_cutoff(),
-                   2.0 * atom->radius[i] + neighbor->skin);
+      if (face.v[k] < 0 && i < nlocal) missing_vertex(i, tag);
     }
     face_of[i] = (int) faces.size();
     faces.push_back(face);

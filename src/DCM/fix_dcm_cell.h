@@ -115,7 +115,9 @@ class FixDCMCell : public Fix {
 
   void gather_cells();
   void count_members();
+  void snap_centers();
   void build_faces();
+  void missing_vertex(int, tagint);
   void move_faces();
   void measure_faces();
   void measure_cells();
