@@ -104,6 +104,7 @@ class PairDCMContact : public Pair {
     double range = 0.0, maxoverlap = 0.0;    // 0: choose
   } set;
   double h0_used = 0.0, range_used = 0.0, overlap_used = 0.0;
+  std::vector<double> face_radius;    // per type: largest face the neighbor list is laid out for
   bool warned_h0 = false;
 
   struct TypeInfo {

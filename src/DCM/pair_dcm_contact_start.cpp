@@ -33,6 +33,10 @@ using namespace LAMMPS_NS;
 using dcm::vec;
 using dcm::Vec3;
 
+// factor by which the largest face may have changed between runs for its size to be kept
+
+static constexpr double FACE_KEEP = 1.2;
+
 /* ----------------------------------------------------------------------
    mean edge and largest face per type, at a time when no ghosts exist yet:
    vertices that other ranks own are asked from all
@@ -46,7 +50,7 @@ void PairDCMContact::measure_mesh()
 
   std::vector<tagint> mine;
   auto owned = [&](tagint tag) {
-    const int j = atom->map(tag);
+    const int j = tag > atom->map_tag_max ? -1 : atom->map(tag);    // map() does not check
     return j >= 0 && j < nlocal ? j : -1;
   };
   for (int i = 0; i < nlocal; i++) {
@@ -100,9 +104,16 @@ void PairDCMContact::measure_mesh()
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, world);
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), atom->ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
   mean_edge = sums[0] / sums[1];
+
+  // keep the sizes of an earlier run while they fit: bins, and with them the order of sums, and
+  // the ghost cutoff stay as they were when a run is continued or restarted
+
+  face_radius.resize(atom->ntypes + 1, 0.0);
   for (int t = 1; t <= atom->ntypes; t++) {
-    if (types[t].kind == AtomVecDCM::FACE) types[t].radius = largest[t];
-    face_radius_max = std::max(face_radius_max, largest[t]);
+    const double ratio = largest[t] / face_radius[t];
+    if (!(ratio < FACE_KEEP && ratio > 1.0 / FACE_KEEP)) face_radius[t] = largest[t];
+    if (types[t].kind == AtomVecDCM::FACE) types[t].radius = face_radius[t];
+    face_radius_max = std::max(face_radius_max, face_radius[t]);
   }
 }
 
@@ -429,18 +440,27 @@ void PairDCMContact::write_restart(FILE *fp)
   fwrite(&set, sizeof(Settings), 1, fp);
   fwrite(&h0_used, sizeof(double), 1, fp);
   fwrite(&range_used, sizeof(double), 1, fp);
+  fwrite(&own_cutoff, sizeof(double), 1, fp);
+  face_radius.resize(atom->ntypes + 1, 0.0);
+  fwrite(face_radius.data(), sizeof(double), face_radius.size(), fp);
 }
 
 void PairDCMContact::read_restart(FILE *fp)
 {
+  face_radius.assign(atom->ntypes + 1, 0.0);
   if (comm->me == 0) {
     utils::sfread(FLERR, &set, sizeof(Settings), 1, fp, nullptr, error);
     utils::sfread(FLERR, &h0_used, sizeof(double), 1, fp, nullptr, error);
     utils::sfread(FLERR, &range_used, sizeof(double), 1, fp, nullptr, error);
+    utils::sfread(FLERR, &own_cutoff, sizeof(double), 1, fp, nullptr, error);
+    utils::sfread(FLERR, face_radius.data(), sizeof(double), face_radius.size(), fp, nullptr,
+                  error);
   }
   MPI_Bcast(&set, sizeof(Settings), MPI_BYTE, 0, world);
   MPI_Bcast(&h0_used, 1, MPI_DOUBLE, 0, world);
   MPI_Bcast(&range_used, 1, MPI_DOUBLE, 0, world);
+  MPI_Bcast(&own_cutoff, 1, MPI_DOUBLE, 0, world);
+  MPI_Bcast(face_radius.data(), (int) face_radius.size(), MPI_DOUBLE, 0, world);
 }
 
 /* ---------------------------------------------------------------------- */
