@@ -1,0 +1,80 @@
+"""The same on any number of ranks; mirror symmetry."""
+
+import numpy as np
+import pytest
+
+STEPS = 200
+
+
+def migrating_scene(scenes, boundary):
+    """Three deformable and four center-based cells, all crossing rank borders as they go.
+
+    The bias carries the whole tissue by some 4 um; the solver tolerance of 1e-12 keeps what CG
+    leaves over below what is compared (with the default of 1e-6 ranks agree to about 1e-6).
+    """
+    shift = (3.0, 2.0, 0.5) if boundary == "s s s" else (22.0, 9.0, 10.0)
+    scene = scenes.hybrid(level=1, boundary=boundary, box=(27.0, 27.0, 14.0), shift=shift)
+    return scene, (
+        scene.head()
+        + scene.forces()
+        + scene.motility(options="D 1e-3 bias 1 0.7 0.3 {}")
+        + scene.motion(options="tolerance 1e-12")
+        + "comm_style brick\ntimestep 1.0\n"
+    )
+
+
+@pytest.mark.parametrize("boundary", ["s s s", "p p p"])
+def test_1_2_and_4_ranks_agree(lmp, scenes, boundary):
+    scene, deck = migrating_scene(scenes, boundary)
+    deck = deck.replace("{}", "8.0") + scenes.dump(
+        "id mol type proc xu yu zu vx vy vz fx fy fz", STEPS // 4
+    )
+    deck += scenes.thermo(["p=f_volume[1]", "press", "ebond"], STEPS // 4) + f"run {STEPS}\n"
+    one = lmp(deck)
+    frames = one.dump()
+    for np_ in (2, 4):
+        other = lmp(deck, np=np_)
+        for a, b in zip(frames, other.dump(), strict=True):
+            assert a.step == b.step
+            assert (a["id"] == b["id"]).all()  # tags
+            assert (a["mol"] == b["mol"]).all() and (a["type"] == b["type"]).all()
+            print(np_, a.step, np.abs(a.x - b.x).max(), np.abs(a.v - b.v).max())
+            assert np.abs(a.x - b.x).max() < 1e-9  # um
+        last = other.dump()
+        moved = np.flatnonzero(last[0]["proc"] != last[-1]["proc"])
+        assert len(set(last[0]["proc"])) == np_
+        kinds = set(last[0]["type"][moved])
+        assert kinds >= {2, 3}, "no node or face changed its rank"
+        for a, b in zip(one.thermo, other.thermo, strict=True):
+            for key in a:
+                assert b[key] == pytest.approx(a[key], rel=1e-9), (np_, a["Step"], key)
+
+
+def test_mirror_images_stay_mirror_images(lmp, scenes):
+    """Two cells, meshes and places each other's mirror image in x = 0, adhere."""
+    nodes, faces = scenes.icosphere(2)
+    q, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
+    nodes = nodes @ (q * np.sign(np.linalg.det(q)))
+    files = {
+        "left.off": scenes.off(nodes, faces),
+        "right.off": scenes.off(nodes * [-1, 1, 1], faces[:, [0, 2, 1]]),
+    }
+    scene = scenes.Scene((20.0, 12.0, 12.0), "s s s")
+    for name, x in (("left.off", -5.95), ("right.off", 5.95)):
+        scene.dcm(x, 0.0, 0.0, 6.0, mesh=(name, len(nodes), len(faces)), options="rest 0.95")
+    deck = (
+        scene.head()
+        + scene.forces()
+        + scene.motion()
+        + scenes.dump("id mol type x y z vx vy vz fx fy fz", 100)
+        + scenes.thermo(["press"], 100)
+        + "timestep 1.0\nrun 500\n"
+    )
+    frames = lmp(deck, files=files).dump()
+    flip = np.array([-1, 1, 1])
+    for frame in frames:
+        left, right = frame["mol"] == 1, frame["mol"] == 2
+        print(frame.step, np.abs(frame.x[left] - frame.x[right] * flip).max())
+        assert np.abs(frame.x[left] - frame.x[right] * flip).max() < 1e-9
+    first, last = frames[0], frames[-1]
+    assert np.abs(last.x - first.x).max() > 0.1  # something happened

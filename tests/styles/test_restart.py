@@ -1,0 +1,135 @@
+"""Restart files bit for bit, data files to round-off."""
+
+import numpy as np
+import pytest
+
+COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
+
+
+def scene_of(scenes, boundary):
+    scene = scenes.hybrid(level=1, boundary=boundary, box=(27.0, 27.0, 14.0), shift=(3.0, 2.0, 0.5))
+    return scene
+
+
+def fixes(scene):
+    return (
+        "fix cell all dcm/cell\n"
+        + scene.volume()
+        + scene.motility(options="D 1e-3 bias 1 0.7 0.3 2.0 persistence 20.0")
+        + "fix plane all dcm/confine plane z 2.0\n"
+        + scene.motion()
+        + "timestep 1.0\n"
+    )
+
+
+@pytest.mark.parametrize("law", ["dmt", "maugis branch history"])
+@pytest.mark.parametrize("boundary", ["s s s", "p p p"])
+@pytest.mark.parametrize("np_", [1, 2])
+def test_restart_is_bit_for_bit(lmp, scenes, np_, boundary, law):
+    """100 steps after a restart at step 100 are those of the run that wrote it.
+
+    The grid of processors is given: LAMMPS would choose it anew for the shrunken box.
+    """
+    scene = scene_of(scenes, boundary)
+    processors = "processors * 1 1\n"
+    whole = lmp(
+        processors
+        + scene.head()
+        + scene.cortex()
+        + scene.contact(f"law {law}")
+        + fixes(scene)
+        + scenes.dump(COLUMNS, 25)
+        + scenes.thermo(["pe", "press"], 25)
+        + "restart 100 r.*\nrun 200\n",
+        np=np_,
+    )
+    rest = lmp(
+        processors
+        + "read_restart r.100\n"
+        + f"pair_coeff * * {scene.map}\nneighbor 0.6 multi\n"  # kept in no restart file
+        + fixes(scene)
+        + scenes.dump(COLUMNS, 25)
+        + scenes.thermo(["pe", "press"], 25)
+        + "restart 100 r.*\nrun 100\n",  # lists are rebuilt where a restart is written
+        np=np_,
+        files={"r.100": whole.path / "r.100"},
+    )
+    expected, found = whole.dump()[4:], rest.dump()
+    assert [frame.step for frame in found] == [100, 125, 150, 175, 200]
+    for a, b in zip(expected, found, strict=True):
+        for name in COLUMNS.split():
+            if name[0] == "f" and a.step == 100:
+                continue  # motility acts once a step, not in setup
+            different = np.flatnonzero(a[name] != b[name])
+            assert not len(different), (
+                f"step {a.step}: {name} of {len(different)} atoms differs, by up to "
+                f"{np.abs(a[name] - b[name]).max():.3g}; types {set(a['type'][different])}"
+            )
+
+
+def test_run_in_two_parts(lmp, scenes):
+    """run 60 twice and run 120: only neighbor lists and the order of sums differ."""
+    scene = scene_of(scenes, "s s s")
+    deck = scene.head() + scene.cortex() + scene.contact() + fixes(scene)
+    deck += scenes.dump(COLUMNS, 120)
+    a = lmp(deck + "run 120\n").dump()[-1]
+    b = lmp(deck + "run 60\nrun 60\n").dump()[-1]
+    assert np.abs(a.x - b.x).max() < 1e-10
+    assert np.abs(a.v - b.v).max() < 1e-10
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+def test_data_file_round_trip(lmp, scenes, np_):
+    """write_data nofix and the rest state beside it give the same forces to 1e-12."""
+    scene = scene_of(scenes, "p p p")
+    laws = scene.cortex() + scene.contact("h0 0.25 range 2.0")
+    written = lmp(
+        scene.head()
+        + laws
+        + fixes(scene)
+        + "run 100\n"
+        + "write_data out.data nofix nocoeff\nfix_modify cell rest/write out.rest\n"
+        + "unfix motility\nunfix plane\n"
+        + scenes.dump(COLUMNS, 1)
+        + scenes.thermo(["pe", "ebond", "edihed", "p=f_volume[1]"])
+        + "run 0\n",
+        np=np_,
+    )
+    read = lmp(
+        "units lj\natom_style dcm\nnewton on\nboundary p p p\n"
+        "read_data out.data extra/bond/per/atom 8 extra/dihedral/per/atom 8\n"
+        + laws
+        + "fix cell all dcm/cell\nfix_modify cell rest/read out.rest\n"
+        + scene.volume()
+        + scene.motion()
+        + scenes.dump(COLUMNS, 1)
+        + scenes.thermo(["pe", "ebond", "edihed", "p=f_volume[1]"])
+        + "run 0\n",
+        np=np_,
+        files={name: written.path / name for name in ("out.data", "out.rest")},
+    )
+    a, b = written.dump()[0], read.dump()[0]
+    scale = np.abs(a.f).max()
+    assert scale > 0.01
+    print(np.abs(a.f - b.f).max() / scale, np.abs(a.x - b.x).max())
+    assert np.abs(a.x - b.x).max() < 1e-14 * 30.0
+    assert np.abs(a.f - b.f).max() < 1e-12 * scale
+    for key, value in written.thermo[-1].items():
+        if key != "Step":
+            assert read.thermo[-1][key] == pytest.approx(value, rel=1e-11), key
+
+
+def test_data_file_alone_takes_the_shape_as_rest_state(lmp, scenes):
+    """Without the rest state, edges and hinges are at rest in the shape that was read."""
+    scene = scenes.single_cell(level=1, boundary="p p p")
+    written = lmp(scene.head() + "write_data out.data nofix nocoeff\n")
+    read = lmp(
+        "units lj\natom_style dcm\nnewton on\nboundary p p p\nread_data out.data\n"
+        + scene.cortex(bend="rest mesh")
+        + "comm_modify cutoff 8\nfix cell all dcm/cell\n"
+        + scenes.thermo(["ebond", "edihed"])
+        + "run 0\n",
+        files={"out.data": written.path / "out.data"},
+    )
+    row = read.thermo[0]
+    assert abs(row["E_bond"]) < 1e-20 and abs(row["E_dihed"]) < 1e-12
