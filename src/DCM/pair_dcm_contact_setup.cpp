@@ -118,9 +118,9 @@ void PairDCMContact::settings(int narg, char **arg)
     } else if (key == "concave") {
       now.concave = choose("concave", text, {"flat", "negative"});
     } else if (key == "points") {
-      now.points = utils::inumeric(FLERR, text, false, lmp);
-      if (now.points < 1 || now.points > 4)
-        error->all(FLERR, "{}: points is {}, must be 1 to 4", STYLE, now.points);
+      if (strlen(text) != 1 || text[0] < '1' || text[0] > '4')
+        error->all(FLERR, "{}: points is {}, must be 1 to 4", STYLE, text);
+      now.points = text[0] - '0';
     } else if (key == "h0") {
       now.h0_auto = strcmp(text, "auto") == 0;
       if (now.h0_auto) {
