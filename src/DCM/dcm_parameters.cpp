@@ -27,21 +27,11 @@ static const std::array<std::string, 4> REGIONS = {"lateral", "polar", "apical",
 
 // every keyword a cell type may have: a misspelled one is an error, not a silent default
 
-static const std::vector<std::string> KEYWORDS = {"E_cor",
-                                                  "h_cor",
-                                                  "nu_cor",
-                                                  "gamma",
-                                                  "K_V",
-                                                  "E_contact",
-                                                  "nu_contact",
-                                                  "a1",
-                                                  "a2",
-                                                  "a3",
-                                                  "a4",
-                                                  "friction_normal",
-                                                  "friction_tangential",
-                                                  "friction_ecm",
-                                                  "D"};
+// clang-format off
+static const std::vector<std::string> KEYWORDS = {
+    "E_cor", "h_cor", "nu_cor", "gamma", "K_V", "E_contact", "nu_contact", "friction_normal",
+    "friction_tangential", "friction_ecm", "a1", "a2", "a3", "a4", "D"};
+// clang-format on
 
 DCMParameters::DCMParameters(LAMMPS *lmp, const std::string &_asking) :
     Pointers(lmp), asking(_asking), names(1)

@@ -90,8 +90,7 @@ class Scene:
         if self.bonds:
             out += ["", "Bonds", ""]
             out += [f"{k} 1 {a} {b}" for k, (a, b) in enumerate(self.bonds, 1)]
-            out += ["", "Cortex", ""] + [f"{a} {b} 0.25" for a, b in self.bonds]
-            out += ["", "Hinges", "", "2 3 4 5 0.125", "", "Something New", "", "1 two 3"]
+            out += ["", "Something New", "", "1 two 3"]
         path.write_text("\n".join(out) + "\n")
         return path
 

@@ -28,8 +28,6 @@ def test_data_file(pair, tmp_path, images):
     assert list(data.atoms["id"]) == list(range(1, 35))    # center, 12 nodes, 20 faces, sphere
     assert np.bincount(data.atoms["kind"]).tolist() == [0, 1, 1, 12, 20]
     assert data.sections["Bonds"].shape == (30, 4)
-    assert data.sections["Cortex"].shape == (30, 3)
-    assert data.sections["Hinges"].tolist() == [[2, 3, 4, 5, 0.125]]
     assert data.sections["Something New"] == [["1", "two", "3"]]
     assert ("ix" in data.atoms) == images
     assert data.box.tolist() == [[-50, 50]] * 3

@@ -5,7 +5,7 @@ by fixes. This one knows the line
 
     id mol type kind radius x y z v1 v2 v3 region volume0 [ix iy iz]
 
-and keeps every other section, known (`Bonds`, `Cortex`, ...) as an array, unknown as text.
+and keeps every other section, known (`Bonds`, ...) as an array, unknown as text.
 """
 import gzip
 import re
@@ -26,7 +26,7 @@ ATOM_COLUMNS = ("id", "mol", "type", "kind", "radius", "x", "y", "z", "v1", "v2"
                 "volume0")
 IMAGE_COLUMNS = ("ix", "iy", "iz")
 # sections that become arrays: name -> number of leading columns that are integers, or None
-NUMERIC = {"Velocities": 1, "Bonds": 4, "Dihedrals": 6, "Cortex": 2, "Hinges": 4, "Masses": None}
+NUMERIC = {"Velocities": 1, "Bonds": 4, "Dihedrals": 6, "Masses": None}
 
 
 class DataFileError(ValueError):
@@ -80,8 +80,7 @@ class DataFile:
     atoms: dict of column name -> array (n,), sorted by id; integers stay integers, `type` is str.
     box: (3, 2), um, lower and upper bound per axis; tilt: (3,), um, xy xz yz.
     masses: dict of type -> mass. sections: name -> array (rows, columns) for Bonds, Dihedrals
-    (id type tag ...), Velocities (id vx vy vz), Cortex (tag1 tag2 l0, um) and Hinges
-    (tag1 ... tag4 theta0, rad), else the list of its lines.
+    (id type tag ...) and Velocities (id vx vy vz), else the list of its lines.
     """
 
     path: str
