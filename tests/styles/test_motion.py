@@ -71,7 +71,9 @@ def test_a_cell_pushed_evenly(lmp, scenes):
         + "group nodes type 2\nfix push nodes addforce 0.01 0.0 0.0\n"
         + scene.motion()
         + "compute cells all dcm/cell area vx vy vz\n"
-        + scenes.thermo(["A=C_cells[1][1]", *(f"v{k}=C_cells[1][{n}]" for n, k in enumerate("xyz", 2))])
+        + scenes.thermo(
+            ["A=C_cells[1][1]", "vx=C_cells[1][2]", "vy=C_cells[1][3]", "vz=C_cells[1][4]"]
+        )
         + "timestep 0.1\nrun 1\n"
     )
     row = result.thermo[-1]

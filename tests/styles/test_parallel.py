@@ -38,7 +38,6 @@ def test_1_2_and_4_ranks_agree(lmp, scenes, boundary):
             assert a.step == b.step
             assert (a["id"] == b["id"]).all()  # tags
             assert (a["mol"] == b["mol"]).all() and (a["type"] == b["type"]).all()
-            print(np_, a.step, np.abs(a.x - b.x).max(), np.abs(a.v - b.v).max())
             assert np.abs(a.x - b.x).max() < 1e-9  # um
         last = other.dump()
         moved = np.flatnonzero(last[0]["proc"] != last[-1]["proc"])
@@ -74,7 +73,6 @@ def test_mirror_images_stay_mirror_images(lmp, scenes):
     flip = np.array([-1, 1, 1])
     for frame in frames:
         left, right = frame["mol"] == 1, frame["mol"] == 2
-        print(frame.step, np.abs(frame.x[left] - frame.x[right] * flip).max())
         assert np.abs(frame.x[left] - frame.x[right] * flip).max() < 1e-9
     first, last = frames[0], frames[-1]
     assert np.abs(last.x - first.x).max() > 0.1  # something happened

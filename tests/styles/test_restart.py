@@ -111,7 +111,6 @@ def test_data_file_round_trip(lmp, scenes, np_):
     a, b = written.dump()[0], read.dump()[0]
     scale = np.abs(a.f).max()
     assert scale > 0.01
-    print(np.abs(a.f - b.f).max() / scale, np.abs(a.x - b.x).max())
     assert np.abs(a.x - b.x).max() < 1e-14 * 30.0
     assert np.abs(a.f - b.f).max() < 1e-12 * scale
     for key, value in written.thermo[-1].items():
