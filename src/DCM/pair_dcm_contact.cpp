@@ -36,6 +36,10 @@ static constexpr int NREGION = AtomVecDCM::NREGION;
 
 static constexpr float ALWAYS = 1.0e9f;
 
+// cosine between the normals of faces that certainly look at each other
+
+static constexpr double OPPOSED = -0.7;
+
 // the faces of a pair lie anywhere in memory: fetch those of a later pair while computing this one
 
 static constexpr size_t AHEAD = 4, FAR_AHEAD = 16;
@@ -255,12 +259,16 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
       if (HISTORY) *face_touch[n] = 0;
       continue;
     }
-    if (HISTORY) *face_touch[n] = 1;
+    // faces that have passed through each other look at each other; others so far behind each
+    // other stand beside the same fold or corner and do not touch
 
     const auto &face = faces[fi], &other = faces[gi];
     const double overlap = -apart.dot(r.u);
-    if (!(overlap <= overlap_used) || !std::isfinite(r.force))
+    const bool beyond = !(overlap <= overlap_used), opposed = !(f.n.dot(g.n) > OPPOSED);
+    if (!std::isfinite(r.force) || (beyond && opposed))
       fail_pair(face.atom, other.atom, overlap, overlap_used, r.force);
+    if (HISTORY) *face_touch[n] = !beyond;
+    if (beyond) continue;
     count.overlap = std::max(count.overlap, overlap);
     count.contacts++;
     count.area += r.area;

@@ -42,11 +42,11 @@ class PairDCMContact : public Pair {
 
   // of the last step on this rank
   struct Counters {
-    bigint pairs = 0;       // pairs in the neighbor list
-    bigint contacts = 0;    // of them in contact
-    double area = 0.0;      // total contact area
-    double overlap = 0.0;   // largest overlap of faces
-    double seconds = 0.0;   // wall time of compute()
+    bigint pairs = 0;             // pairs in the neighbor list
+    bigint contacts = 0;          // of them in contact
+    double area = 0.0;            // total contact area
+    double overlap = 0.0;         // largest overlap of faces
+    double seconds = 0.0;         // wall time of compute()
     double list_seconds = 0.0;    // of it, sorting a new neighbor list and checks
   };
 
@@ -108,11 +108,11 @@ class PairDCMContact : public Pair {
   bool warned_h0 = false;
 
   struct TypeInfo {
-    bool used = false;      // has a cell type, not NULL
-    int kind = 0;           // the one kind its atoms have, 0: no atoms yet
-    bool active = false;    // its atoms take part in contacts
-    double radius = 0.0;    // largest radius (contact range not included)
-    double promise = 0.0;   // largest radius the neighbor list is built for
+    bool used = false;       // has a cell type, not NULL
+    int kind = 0;            // the one kind its atoms have, 0: no atoms yet
+    bool active = false;     // its atoms take part in contacts
+    double radius = 0.0;     // largest radius (contact range not included)
+    double promise = 0.0;    // largest radius the neighbor list is built for
     double E = 0.0, nu = 0.0, gn = 0.0, gt = 0.0, a[4] = {0.0, 0.0, 0.0, 0.0};
   };
 
@@ -120,8 +120,8 @@ class PairDCMContact : public Pair {
   struct DCMAtoms *dcm;
   class FixDCMCell *fix_cell;
   class FixNeighHistory *fix_history;
-  std::vector<TypeInfo> types;                 // [1..ntypes]
-  std::vector<dcm::ContactMaterial> table;     // class x class, class = 4 (type - 1) + region
+  std::vector<TypeInfo> types;                // [1..ntypes]
+  std::vector<dcm::ContactMaterial> table;    // class x class, class = 4 (type - 1) + region
   int nclass;
   bool have_spheres, have_faces, any_apparent, use_history;
   bool want_stress, want_partners, want_blocks, want_virial = false;
@@ -183,6 +183,7 @@ class PairDCMContact : public Pair {
   void add_partner(tagint, tagint, double);
   void merge_partners();
   void check_start();
+  void check_law(double);
   [[noreturn]] void fail_pair(int, int, double, double, double);
 };
 

@@ -173,6 +173,32 @@ static void solid_angles(LAMMPS *lmp, const FixDCMCell *fix, const std::vector<B
 }
 
 /* ----------------------------------------------------------------------
+   law maugis puts adhesion into a ring at the rim of the contact: where that of
+   two undeformed cells is wider than the cells no face carries it, and strong
+   adhesion would repel. Zero-load contact radius of JKR: a^3 = 9 pi W R^2 / (2 E).
+------------------------------------------------------------------------- */
+
+void PairDCMContact::check_law(double radius)
+{
+  if (set.law != MAUGIS || !have_faces) return;
+  const double R = 0.5 * radius;
+  for (int s = 1; s <= atom->ntypes; s++)
+    for (int t = s; t <= atom->ntypes; t++) {
+      if (types[s].kind != AtomVecDCM::FACE && types[t].kind != AtomVecDCM::FACE) continue;
+      const auto &m = table[(size_t) AtomVecDCM::NREGION * ((s - 1) * nclass + t - 1)];
+      if (!types[s].active || !types[t].active) continue;
+      const double a = std::cbrt(4.5 * dcm::PI * m.W * R * R / m.E);
+      if (a > 0.9 * radius)
+        error->all(
+            FLERR,
+            "Pair style dcm/contact: adhesion W = {:.4} of atom types {} and {} is too strong "
+            "for law maugis: the contact radius {:.4} of undeformed cells is over 0.9 of the cell "
+            "radius {:.4}; use law dmt, a lower W or a higher E_contact",
+            m.W, s, t, a, radius);
+    }
+}
+
+/* ----------------------------------------------------------------------
    cells that are given inside each other: faces that start on the wrong side
    see no contact at all, so no force would ever tell
    first the spheres of equal volume, then, where these overlap by half a radius, how long the line
@@ -213,6 +239,12 @@ void PairDCMContact::check_start()
                  "Pair style dcm/contact: two cells have molecule ID {}; every cell needs a "
                  "molecule ID of its own",
                  bodies[n].molecule);
+
+  check_law(bodies.empty()
+                ? 0.0
+                : std::min_element(bodies.begin(), bodies.end(), [](const Body &a, const Body &b) {
+                    return a.radius < b.radius;
+                  })->radius);
 
   // each rank looks at its share of the pairs
 

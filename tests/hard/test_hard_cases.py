@@ -266,17 +266,10 @@ def test_one_node_pulled_out(lmp, scenes, force):
 # --- adhesion -------------------------------------------------------------------------------------
 
 
-TOO_STRONG = pytest.mark.xfail(
-    strict=True,
-    reason="law maugis: the contact of undeformed spheres is wider than the cells (W = 10), the "
-    "adhesive rim lies outside them, the sum is a repulsion, and nothing says so",
-)
-
-
 @pytest.mark.parametrize(
     "law, work",
     [("dmt", 0.0), ("dmt", 0.1), ("dmt", 1.0), ("dmt", 10.0), ("maugis", 0.0), ("maugis", 0.1),
-     ("maugis", 1.0), pytest.param("maugis", 10.0, marks=TOO_STRONG)],
+     ("maugis", 1.0)],
 )  # fmt: skip
 def test_adhesion(lmp, scenes, law, work):
     """Cells without adhesion stay apart, others come closer, or the run stops."""
@@ -289,6 +282,14 @@ def test_adhesion(lmp, scenes, law, work):
         assert (distance < 11.8) if work > 0.0 else (11.9 <= distance < 12.1), distance
     else:
         assert work > 0.1
+
+
+@pytest.mark.parametrize("work", [5.0, 10.0])
+def test_adhesion_wider_than_the_cell(lmp, scenes, work):
+    """Law maugis would turn such an adhesion into a repulsion: it refuses."""
+    scene = scenes.doublet(level=2, gap=-0.1, box=25.0)
+    contact = scene.contact("law maugis", f"W {work}")
+    stops(lmp.run(deck(scene, 1, contact=contact), timeout=TIME), "too strong for law maugis", "E_contact")
 
 
 @pytest.mark.parametrize("level", [2, 3])
