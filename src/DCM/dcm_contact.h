@@ -163,12 +163,12 @@ namespace detail {
 }    // namespace detail
 
 namespace detail {
-  /// How far a face looks along the axis of a contact: 0 when tilted by more than 45 degrees from
-  /// it, 1 below 30 degrees, smooth between. Faces of surfaces that touch look at each other; what
+  /// How far a face looks along the axis of a contact: 0 when tilted by more than 50 degrees from
+  /// it, 1 below 40 degrees, smooth between. Faces of surfaces that touch look at each other; what
   /// the sphere of a tilted face reports, beside an edge or fold of its own cell, is no contact.
   inline double facing(double cosine)
   {
-    constexpr double NONE = 0.70710678118654752, FULL = 0.86602540378443865;
+    constexpr double NONE = 0.64278760968653933, FULL = 0.76604444311897804;
     const double s = std::min(std::max((cosine - NONE) / (FULL - NONE), 0.0), 1.0);
     return s * s * (3.0 - 2.0 * s);
   }

@@ -100,7 +100,7 @@ class PairDCMContact : public Pair {
 
   struct Settings {
     int law = DMT, history = 0, points = 2, concave = 0, h0_auto = 1;
-    double h0 = 0.02, rmax = 10.0;
+    double h0 = 0.35, rmax = 10.0;
     double range = 0.0, maxoverlap = 0.0;    // 0: choose
   } set;
   double h0_used = 0.0, range_used = 0.0, overlap_used = 0.0;

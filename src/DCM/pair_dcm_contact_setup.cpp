@@ -42,7 +42,7 @@ static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
 
 // in mean edge lengths: `h0 auto`, the limit of a resolved h0, default range (see the doc page)
 
-static constexpr double H0_AUTO = 0.07, H0_RESOLVED = 0.06, RANGE = 0.75;
+static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2, RANGE = 0.75;
 
 /* ---------------------------------------------------------------------- */
 
