@@ -5,10 +5,15 @@ The rest is approached from first touch and from a contact that was pressed: the
 where the mesh pins the contact line.
 
 Runs in.doublet for every combination and writes doublet_study.csv (one line per run) and
-doublet_study.png.  Runs that the csv already holds are not repeated.  Units: um, nN, s.
+doublet_study.png.  Units: um, nN, s.
+
+Runs that the csv already holds are not repeated, so that several calls add up to one csv; the one
+beside this file was merged from several calls and does not hold every combination.  A run is known
+by law, nodes, h0, press and seed alone: use another --out for other values of the rest, or after
+the default of h0 has changed.
 
     ./study.py                        162 and 642 nodes, both laws
-    ./study.py --levels 2 3 4         2562 nodes as well: hours
+    ./study.py --levels 2 3 4         2562 nodes as well: minutes a run, more if h0 is not resolved
     ./study.py --rest-only            without the pull
 
 LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH
