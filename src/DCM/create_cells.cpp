@@ -17,6 +17,7 @@
 #include "dcm_hinge.h"
 #include "dcm_mesh_io.h"
 #include "dcm_random.h"
+#include "dcm_text.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
@@ -27,7 +28,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 using namespace LAMMPS_NS;
 using dcm::Vec3;
@@ -122,18 +122,8 @@ void CreateCells::command(int narg, char **arg)
 void CreateCells::read_table(const std::string &file)
 {
   std::string text;
-  int size = -1;
-  if (comm->me == 0) {
-    std::ifstream in(file);
-    if (in) {
-      text.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-      size = (int) text.size();
-    }
-  }
-  MPI_Bcast(&size, 1, MPI_INT, 0, world);
-  if (size < 0) error->all(FLERR, "Create_cells: cannot open cells table {}", file);
-  text.resize(size);
-  MPI_Bcast(&text[0], size, MPI_CHAR, 0, world);
+  if (!dcm_read_text(comm, world, file, text))
+    error->all(FLERR, "Create_cells: cannot open cells table {}", file);
   for (const auto &line : Tokenizer(text, "\n").as_vector()) {
     const auto words = Tokenizer(line.substr(0, line.find('#'))).as_vector();
     if (!words.empty()) add_request(words, "table " + file + ": '" + utils::trim(line) + "'");

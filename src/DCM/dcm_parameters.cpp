@@ -11,6 +11,7 @@
 #include "dcm_parameters.h"
 
 #include "comm.h"
+#include "dcm_text.h"
 #include "error.h"
 #include "tokenizer.h"
 #include "utils.h"
@@ -19,7 +20,6 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 
 using namespace LAMMPS_NS;
 
@@ -82,24 +82,13 @@ int DCMParameters::parse_keyword(int narg, char **arg, const std::vector<std::st
 
 void DCMParameters::read_file()
 {
+  const std::string path = comm->me == 0 ? utils::get_potential_file_path(file) : "";
   std::string text;
-  int size = -1;
-  if (comm->me == 0) {
-    const std::string path = utils::get_potential_file_path(file);
-    std::ifstream in(path);
-    if (!path.empty() && in) {
-      text.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-      size = (int) text.size();
-    }
-  }
-  MPI_Bcast(&size, 1, MPI_INT, 0, world);
-  if (size < 0)
+  if (!dcm_read_text(comm, world, path, text))
     error->all(FLERR,
-               "{}: cannot open parameter file {}; give its path or set LAMMPS_POTENTIALS "
-               "to its folder",
+               "{}: cannot open parameter file {}; give its path or set LAMMPS_POTENTIALS to its "
+               "folder",
                asking, file);
-  text.resize(size);
-  MPI_Bcast(&text[0], size, MPI_CHAR, 0, world);
 
   std::string current;
 

@@ -237,25 +237,6 @@ void FixDCMCell::snap_centers()
 }
 
 /* ----------------------------------------------------------------------
-   a face without all its vertices: too few ghosts, or the node is gone
-------------------------------------------------------------------------- */
-
-void FixDCMCell::missing_vertex(int i, tagint vertex)
-{
-  const double cutoff = comm->get_comm_cutoff(), need = 2.0 * atom->radius[i] + neighbor->skin;
-  if (comm->nprocs > 1 && cutoff < need)
-    error->one(FLERR,
-               "Fix dcm/cell: vertex {} of face {} (cell {}) is not known to this rank at step {}: "
-               "the ghost cutoff {:.4} is below an edge length; set 'comm_modify cutoff {:.4}'",
-               vertex, atom->tag[i], atom->molecule[i], update->ntimestep, cutoff, need);
-  error->one(FLERR,
-             "Fix dcm/cell: vertex {} of face {} (cell {}) does not exist at step {}: it was "
-             "deleted (delete whole cells only), is missing in the data file, or was lost through "
-             "a fixed boundary (use 'boundary s' or p, or reduce the timestep)",
-             vertex, atom->tag[i], atom->molecule[i], update->ntimestep);
-}
-
-/* ----------------------------------------------------------------------
    faces and the local indices of their vertices, owned faces first
 ------------------------------------------------------------------------- */
 
@@ -400,67 +381,6 @@ void FixDCMCell::measure_curvature()
     curvature[i] = dcm::node_curvature(vec(sums), vec(sums + 3), sums[6]);
   }
   comm->forward_comm(this, 1);
-}
-
-/* ----------------------------------------------------------------------
-   at the start of every run: are these closed, outward surfaces that fit the box?
-------------------------------------------------------------------------- */
-
-void FixDCMCell::check_surfaces()
-{
-  double **x = atom->x;
-  const int ncells = (int) cells.size();
-  std::vector<double> sums(4 * ncells, 0.0), reach(ncells, 0.0);
-  double smallest[2] = {1.0, (double) comm->me};
-  tagint thin = 0;
-  for (int f = 0; f < nowned; f++) {
-    const Face &face = faces[f];
-    const Cell &cell = cells[face.cell];
-    vec(&sums[4 * face.cell]) += area[f] * vec(&normal[3 * f]);
-    const double relative = area[f] * cell.nfaces / cell.area;
-    if (relative < smallest[0]) {
-      smallest[0] = relative;
-      thin = atom->tag[face.atom];
-    }
-    Vec3 d = vec(x[face.v[0]]) - vec(cell.x);
-    dcm_minimum_image(domain, d[0], d[1], d[2]);
-    for (int k = 0; k < 3; k++)
-      if (domain->periodicity[k])
-        reach[face.cell] = std::max(reach[face.cell], std::fabs(d[k]) / domain->prd[k]);
-  }
-  sum(sums);
-  if (ncells) MPI_Allreduce(MPI_IN_PLACE, reach.data(), ncells, MPI_DOUBLE, MPI_MAX, world);
-
-  for (int c = 0; c < ncells; c++) {
-    const Cell &cell = cells[c];
-    if (cell.nfaces != 2 * cell.nnodes - 4)
-      error->all(FLERR,
-                 "Fix dcm/cell: cell {} has {} nodes and {} faces; a closed surface of "
-                 "sphere topology has {} faces",
-                 cell.molecule, cell.nnodes, cell.nfaces, 2 * cell.nnodes - 4);
-    if (vec(&sums[4 * c]).norm() > 1.0e-8 * cell.area)
-      error->all(FLERR,
-                 "Fix dcm/cell: the surface of cell {} is not closed or some faces are "
-                 "flipped: its face area vectors sum to {} of its area",
-                 cell.molecule, vec(&sums[4 * c]).norm() / cell.area);
-    if (reach[c] > 0.25)
-      error->all(FLERR,
-                 "Fix dcm/cell: cell {} spans {:.3} of a periodic box length; a periodic box "
-                 "must be at least two cells wide in every periodic direction",
-                 cell.molecule, 2.0 * reach[c]);
-  }
-
-  struct {
-    double value;
-    int rank;
-  } least = {smallest[0], comm->me};
-  MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE_INT, MPI_MINLOC, world);
-  MPI_Bcast(&thin, 1, MPI_LMP_TAGINT, least.rank, world);
-  if (least.value < 1.0e-6)
-    error->all(FLERR,
-               "Fix dcm/cell: face {} is degenerate: its area is {} of its cell's mean face "
-               "area; repair the mesh",
-               thin, least.value);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -16,6 +16,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_text.h"
 #include "error.h"
 #include "tokenizer.h"
 #include "utils.h"
@@ -23,7 +24,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 using namespace LAMMPS_NS;
 
@@ -99,18 +99,8 @@ void FixDCMCell::write_rest_state(const std::string &file)
 void FixDCMCell::read_rest_state(const std::string &file)
 {
   std::string text;
-  bigint size = -1;
-  if (comm->me == 0) {
-    std::ifstream in(file);
-    if (in) {
-      text.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-      size = (bigint) text.size();
-    }
-  }
-  MPI_Bcast(&size, 1, MPI_LMP_BIGINT, 0, world);
-  if (size < 0) error->all(FLERR, "Fix dcm/cell: cannot open rest-state file {}", file);
-  text.resize(size);
-  MPI_Bcast(&text[0], (int) size, MPI_CHAR, 0, world);
+  if (!dcm_read_text(comm, world, file, text))
+    error->all(FLERR, "Fix dcm/cell: cannot open rest-state file {}", file);
 
   bigint nlines = 0, napplied = 0;
   for (const auto &line : Tokenizer(text, "\n").as_vector()) {
