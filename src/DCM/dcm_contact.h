@@ -41,6 +41,15 @@ struct ContactResult {
   double wf[3], wg[3];    ///< each sums to force: vertex k of f gets -wf[k] u, of g +wg[k] u
   double area;            ///< part of the common polygon with r <= c
   double bf[3], bg[3];    ///< barycentric weights (sum 1, within 0..1) of that part's centroid
+
+  /// Count the contact by a weight only.
+  void scale(double weight)
+  {
+    force *= weight;
+    area *= weight;
+    for (double *w : {wf, wg})
+      for (int k = 0; k < 3; k++) w[k] *= weight;
+  }
 };
 
 /// Face from its vertices and the radius of its sphere (dcm_curvature.h), R < 0 for concave.
@@ -162,17 +171,16 @@ namespace detail {
 
 }    // namespace detail
 
-namespace detail {
-  /// How far a face looks along the axis of a contact: 0 when tilted by more than 50 degrees from
-  /// it, 1 below 40 degrees, smooth between. Faces of surfaces that touch look at each other; what
-  /// the sphere of a tilted face reports, beside an edge or fold of its own cell, is no contact.
-  inline double facing(double cosine)
-  {
-    constexpr double NONE = 0.64278760968653933, FULL = 0.76604444311897804;
-    const double s = std::min(std::max((cosine - NONE) / (FULL - NONE), 0.0), 1.0);
-    return s * s * (3.0 - 2.0 * s);
-  }
-}    // namespace detail
+/// How far a face looks along the axis of a contact, from the cosine between its normal and the
+/// axis: 0 when tilted by more than 50 degrees, 1 below 40 degrees, smooth between. Faces of
+/// surfaces that touch look at each other; what the sphere of a tilted face reports beside an edge
+/// or fold of its own cell is no contact. For the caller: the law itself is exact at any tilt.
+inline double facing(double cosine)
+{
+  constexpr double NONE = 0.64278760968653933, FULL = 0.76604444311897804;
+  const double s = std::min(std::max((cosine - NONE) / (FULL - NONE), 0.0), 1.0);
+  return s * s * (3.0 - 2.0 * s);
+}
 
 /// Contact of two faces.
 /// \param npoints  Gauss points per edge piece inside the core of the contact, 1 to 4
@@ -215,8 +223,6 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
   const double delta = Rf + Rg - sense * d;
   if (!existing && !(delta > mat.first_touch())) return false;
   const Vec3 u = axis / d;
-  const double weight = detail::facing(f.n.dot(u)) * detail::facing(-g.n.dot(u));
-  if (!(weight > 0.0)) return false;
 
   // distance of the nearer triangle from the axis against the largest possible contact radius
   const double R = Rf * Rg / (Rf + Rg);
@@ -244,7 +250,6 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
   RadialSums sum;
   radial_integral(state, poly, npoints, sum);
   if (!(sum.area > 0.0)) return false;
-  sum.scale(weight);
 
   out.u = u;
   out.delta = delta;
@@ -287,8 +292,6 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   const double delta = Rf + radius - sense * d;
   if (!existing && !(delta > mat.first_touch())) return false;
   const Vec3 u = axis / d;
-  const double weight = detail::facing(f.n.dot(u));
-  if (!(weight > 0.0)) return false;
 
   const double R = Rf * radius / (Rf + radius);
   if (!existing) {
@@ -315,7 +318,6 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   RadialSums sum;
   radial_integral(state, poly, npoints, sum);
   if (!(sum.area > 0.0)) return false;
-  sum.scale(weight);
 
   out.u = u;
   out.delta = delta;

@@ -24,11 +24,6 @@ namespace dcm {
 struct RadialSums {
   double force = 0.0, mx = 0.0, my = 0.0;    ///< int p dA, int p x dA, int p y dA
   double area = 0.0, ax = 0.0, ay = 0.0;     ///< int dA, int x dA, int y dA over r <= c
-
-  void scale(double w)
-  {
-    for (double *sum : {&force, &mx, &my, &area, &ax, &ay}) *sum *= w;
-  }
 };
 
 namespace detail {

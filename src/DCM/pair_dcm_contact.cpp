@@ -263,12 +263,15 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
     // other stand beside the same fold or corner and do not touch
 
     const auto &face = faces[fi], &other = faces[gi];
+    const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(-g.n.dot(r.u));
     const double overlap = -apart.dot(r.u);
     const bool beyond = !(overlap <= overlap_used), opposed = !(f.n.dot(g.n) > OPPOSED);
     if (!std::isfinite(r.force) || (beyond && opposed))
       fail_pair(face.atom, other.atom, overlap, overlap_used, r.force);
-    if (HISTORY) *face_touch[n] = !beyond;
-    if (beyond) continue;
+    const bool touching = !beyond && weight > 0.0;
+    if (HISTORY) *face_touch[n] = touching;
+    if (!touching) continue;
+    r.scale(weight);
     count.overlap = std::max(count.overlap, overlap);
     count.contacts++;
     count.area += r.area;
@@ -321,10 +324,12 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mi
         fail_pair(faces[fi].atom, j, radius - f.n.dot(apart), radius, 0.0);
       continue;
     }
-    if (HISTORY) *mixed_touch[n] = 1;
-
     const auto &face = faces[fi];
     if (!std::isfinite(r.force)) fail_pair(face.atom, j, r.delta, radius, r.force);
+    const double weight = dcm::facing(f.n.dot(r.u));
+    if (HISTORY) *mixed_touch[n] = weight > 0.0;
+    if (!(weight > 0.0)) continue;
+    r.scale(weight);
     count.contacts++;
     count.area += r.area;
 

@@ -2,7 +2,7 @@
 import lammps_dcm
 import numpy as np
 import pytest
-from conftest import icosphere
+from meshes import icosphere
 
 
 def make(scene, tmp_path, *frames, wrap=False, **options):

@@ -1,0 +1,30 @@
+"""Meshes with known closed forms, for the tests of the Python package."""
+
+import numpy as np
+
+
+def icosphere(level):
+    """Unit icosphere: nodes (n, 3) and triangles (m, 3), counter-clockwise from outside."""
+    g = (1 + 5**0.5) / 2
+    nodes = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g),
+             (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
+    nodes = [np.array(p) / np.linalg.norm(p) for p in nodes]
+    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4),
+             (11, 10, 2), (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8),
+             (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]
+    for _ in range(level):
+        middle, finer = {}, []
+
+        def mid(a, b):
+            key = min(a, b), max(a, b)
+            if key not in middle:
+                p = nodes[a] + nodes[b]
+                nodes.append(p / np.linalg.norm(p))
+                middle[key] = len(nodes) - 1
+            return middle[key]
+
+        for a, b, c in faces:
+            ab, bc, ca = mid(a, b), mid(b, c), mid(c, a)
+            finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+        faces = finer
+    return np.array(nodes), np.array(faces)
