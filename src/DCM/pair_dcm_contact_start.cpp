@@ -186,7 +186,7 @@ void PairDCMContact::check_law(double radius)
     for (int t = s; t <= atom->ntypes; t++) {
       if (types[s].kind != AtomVecDCM::FACE && types[t].kind != AtomVecDCM::FACE) continue;
       const auto &m = table[(size_t) AtomVecDCM::NREGION * ((s - 1) * nclass + t - 1)];
-      if (!types[s].active || !types[t].active) continue;
+      if (!types[s].active || !types[t].active || !types[s].kind || !types[t].kind) continue;
       const double a = std::cbrt(4.5 * dcm::PI * m.W * R * R / m.E);
       if (a > 0.9 * radius)
         error->all(

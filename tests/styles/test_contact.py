@@ -158,7 +158,7 @@ def test_two_icospheres_are_hertz(lmp, scenes, overlap, law, np_):
     result = lmp(
         scene.head()
         + "bond_style zero nocoeff\nbond_coeff *\ndihedral_style zero nocoeff\ndihedral_coeff *\n"
-        + scene.contact(f"law {law} range {3 * overlap * R!r}", "W 0.0")
+        + scene.contact(f"law {law} h0 0.1 range {3 * overlap * R!r}", "W 0.0")
         + "fix cell all dcm/cell\n"
         + "group left molecule 1\ncompute f left reduce sum fx fy fz\n"
         + scenes.thermo(["fx=c_f[1]", "fy=c_f[2]", "fz=c_f[3]"])

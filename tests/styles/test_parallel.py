@@ -12,7 +12,7 @@ def migrating_scene(scenes, boundary):
     The bias carries the whole tissue by some 4 um; the solver tolerance of 1e-12 keeps what CG
     leaves over below what is compared (with the default of 1e-6 ranks agree to about 1e-6).
     """
-    shift = (3.0, 2.0, 0.5) if boundary == "s s s" else (22.0, 9.0, 10.0)
+    shift = (3.0, 2.0, 0.5) if boundary == "f f f" else (22.0, 9.0, 10.0)
     scene = scenes.hybrid(level=1, boundary=boundary, box=(27.0, 27.0, 14.0), shift=shift)
     return scene, (
         scene.head()
@@ -23,7 +23,7 @@ def migrating_scene(scenes, boundary):
     )
 
 
-@pytest.mark.parametrize("boundary", ["s s s", "p p p"])
+@pytest.mark.parametrize("boundary", ["f f f", "p p p"])
 def test_1_2_and_4_ranks_agree(lmp, scenes, boundary):
     scene, deck = migrating_scene(scenes, boundary)
     deck = deck.replace("{}", "8.0") + scenes.dump(
