@@ -36,7 +36,7 @@ def run_lammps(ranks, options, folder):
 
 def parse(log):
     """Loop time (s), steps, breakdown {section: s} and last thermo row {column: value} of a log."""
-    timed = log[log.rindex("Setting up Verlet run"):]
+    timed = log[log.rindex("Per MPI rank memory allocation"):]
     seconds, steps = re.search(r"Loop time of (\S+) on \d+ procs for (\d+) steps", timed).groups()
     table = re.findall(r"^(\w+) +\| +\S+ +\| +(\S+) +\|", timed, re.M)
     parts = {name: float(average) for name, average in table}
