@@ -38,7 +38,7 @@ void CreateCells::command(int narg, char **arg)
 {
   if (!domain->box_exist)
     error->all(FLERR, "Create_cells command before simulation box is defined");
-  dcm = AtomVecDCM::require(lmp, "Create_cells");
+  AtomVecDCM::require(lmp, "Create_cells");
   if (!force->newton_bond) error->all(FLERR, "Create_cells needs newton on; remove 'newton off'");
   if (narg < 2) utils::missing_cmd_args(FLERR, "create_cells", error);
 
@@ -56,11 +56,10 @@ void CreateCells::command(int narg, char **arg)
 
   mesh = dcm::icosphere(3);
   while (iarg < narg) iarg += parse_keyword(narg - iarg, arg + iarg);
-  prepare_mesh();
+  DCMBuilder builder(lmp, "Create_cells", true);
+  top = builder.prepare(mesh, equal_volume);
 
-  // tags and molecules follow those that exist; every rank goes through all cells and keeps the
-  // atoms that are its own, so that the result is the same on any number of ranks
-
+  bool deformable = false;
   for (const auto &request : requests) {
     const auto type = types.find({request.name, request.deformable});
     if (type == types.end())
@@ -68,8 +67,11 @@ void CreateCells::command(int narg, char **arg)
                  request.deformable ? "deformable" : "center-based", request.name,
                  request.deformable ? "dcm" : "cbm", request.name,
                  request.deformable ? "Tcenter Tnode Tface Tbond Tdihedral" : "Tsphere");
+    deformable = deformable || request.deformable;
   }
-  reserve_slots();
+  if (deformable) builder.reserve_slots(top.slots);
+
+  // tags and molecules follow those that exist
 
   tagint last[2] = {0, 0};
   const int nlocal_previous = atom->nlocal;
@@ -79,16 +81,25 @@ void CreateCells::command(int narg, char **arg)
   }
   MPI_Allreduce(MPI_IN_PLACE, last, 2, MPI_LMP_TAGINT, MPI_MAX, world);
 
-  const tagint per_cell = 1 + (tagint) (mesh.nodes.size() + mesh.faces.size());
   bigint ncreated[2] = {0, 0}, natoms = 0;
   tagint tag = last[0] + 1, molecule = last[1] + 1;
   for (const auto &request : requests) {
-    if (request.deformable)
-      create_deformable(request, tag, molecule);
-    else
-      create_sphere(request, tag, molecule);
-    tag += request.deformable ? per_cell : 1;
-    natoms += request.deformable ? per_cell : 1;
+    const auto &type = types[{request.name, request.deformable}];
+    if (request.deformable) {
+      DCMBuilder::Deformable cell = shape(request, molecule);
+      cell.tag = tag;
+      builder.create(type, top, cell);
+    } else {
+      DCMBuilder::Sphere cell;
+      cell.molecule = molecule;
+      cell.tag = tag;
+      cell.x = request.x;
+      cell.radius = request.radius;
+      builder.create(type, cell);
+    }
+    const tagint used = request.deformable ? top.size() : 1;
+    tag += used;
+    natoms += used;
     ncreated[request.deformable]++;
     molecule++;
   }
@@ -102,8 +113,8 @@ void CreateCells::command(int narg, char **arg)
                natoms - nall, natoms);
   atom->data_fix_compute_variable(nlocal_previous, atom->nlocal);
   atom->natoms += natoms;
-  atom->nbonds += ncreated[1] * (bigint) hinges.size();
-  atom->ndihedrals += ncreated[1] * (bigint) hinges.size();
+  atom->nbonds += ncreated[1] * (bigint) top.hinges.size();
+  atom->ndihedrals += ncreated[1] * (bigint) top.hinges.size();
   atom->tag_check();
   if (atom->map_style != Atom::MAP_NONE) {
     atom->nghost = 0;
@@ -112,7 +123,7 @@ void CreateCells::command(int narg, char **arg)
   }
   if (comm->me == 0)
     utils::logmesg(lmp, "Created {} deformable cells of {} nodes and {} center-based cells\n",
-                   ncreated[1], mesh.nodes.size(), ncreated[0]);
+                   ncreated[1], top.mesh.nodes.size(), ncreated[0]);
 }
 
 /* ----------------------------------------------------------------------
@@ -158,7 +169,7 @@ int CreateCells::parse_keyword(int narg, char **arg)
 
   if (keyword == "dcm") {
     const int used = need(6);
-    CellType type;
+    DCMBuilder::Types type;
     type.center = type_number(keyword, arg[2], atom->ntypes);
     type.node = type_number(keyword, arg[3], atom->ntypes);
     type.face = type_number(keyword, arg[4], atom->ntypes);
@@ -242,141 +253,26 @@ int CreateCells::type_number(const std::string &where, const std::string &text, 
 }
 
 /* ----------------------------------------------------------------------
-   check the mesh, bring it to mean position 0 and size 1, share out bonds and
-   hinges so that no node stores many
+   the round cell of a request, at rest but for the prestress of its cortex
 ------------------------------------------------------------------------- */
 
-void CreateCells::prepare_mesh()
+DCMBuilder::Deformable CreateCells::shape(const Request &request, tagint molecule) const
 {
-  const std::string problem = dcm::check_mesh(mesh);
-  if (!problem.empty()) error->all(FLERR, "Create_cells: bad mesh: {}", problem);
-
-  Vec3 mid = Vec3::Zero();
-  for (const auto &x : mesh.nodes) mid += x / (double) mesh.nodes.size();
-  double reach = 0.0;
-  for (auto &x : mesh.nodes) {
-    x -= mid;
-    reach = std::max(reach, x.norm());
-  }
-  const double size = equal_volume ? std::cbrt(0.75 * dcm::volume(mesh) / dcm::PI) : reach;
-  for (auto &x : mesh.nodes) x /= size;
-
-  hinges = dcm::hinges(mesh);
-  std::vector<int> stored(mesh.nodes.size(), 0);
-  for (const auto &hinge : hinges) {
-    owner.push_back(stored[hinge[1]] <= stored[hinge[2]] ? 1 : 2);
-    slots = std::max(slots, ++stored[hinge[owner.back()]]);
-  }
-}
-
-/* ----------------------------------------------------------------------
-   topology slots are fixed once atoms exist; until then they can be made here
-------------------------------------------------------------------------- */
-
-void CreateCells::reserve_slots()
-{
-  const bool wanted = std::any_of(requests.begin(), requests.end(), [](const Request &r) {
-    return r.deformable;
-  });
-  if (!wanted || (atom->bond_per_atom >= slots && atom->dihedral_per_atom >= slots)) return;
-  if (atom->natoms > 0)
-    error->all(
-        FLERR,
-        "Create_cells: a node needs {0} bond and {0} dihedral slots, there are {1} "
-        "and {2}; add 'extra/bond/per/atom {0} extra/dihedral/per/atom {0}' to create_box or "
-        "read_data",
-        slots, atom->bond_per_atom, atom->dihedral_per_atom);
-
-  atom->bond_per_atom = std::max(atom->bond_per_atom, slots);
-  atom->dihedral_per_atom = std::max(atom->dihedral_per_atom, slots);
-  atom->avec->grow(atom->nmax);
-}
-
-/* ----------------------------------------------------------------------
-   add an atom if it is mine; its fields beyond type, tag and molecule are zero
-------------------------------------------------------------------------- */
-
-bool CreateCells::create(const double *coord, int type, int kind, tagint tag, tagint molecule)
-{
-  double x[3] = {coord[0], coord[1], coord[2]};
-  imageint image =
-      ((imageint) IMGMAX << IMG2BITS) | ((imageint) IMGMAX << IMGBITS) | (imageint) IMGMAX;
-  domain->remap(x, image);
-  if (!domain->inside(x)) return false;
-  double lamda[3];
-  if (domain->triclinic) domain->x2lamda(x, lamda);
-  int igx, igy, igz;
-  if (comm->coord2proc(domain->triclinic ? lamda : x, igx, igy, igz) != comm->me) return false;
-
-  const int i = atom->nlocal;
-  atom->avec->create_atom(type, x);
-  atom->tag[i] = tag;
-  atom->molecule[i] = molecule;
-  atom->image[i] = image;
-  dcm->kind[i] = kind;
-  return true;
-}
-
-void CreateCells::create_sphere(const Request &request, tagint tag, tagint molecule)
-{
-  if (create(request.x.data(), types[{request.name, false}].center, AtomVecDCM::SPHERE, tag,
-             molecule))
-    atom->radius[atom->nlocal - 1] = request.radius;
-}
-
-/* ----------------------------------------------------------------------
-   tags of a cell: center, nodes in mesh order, faces in mesh order
-------------------------------------------------------------------------- */
-
-void CreateCells::create_deformable(const Request &request, tagint tag, tagint molecule)
-{
-  const CellType &type = types[{request.name, true}];
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   if (rotate_seed) {
     dcm::Random random(rotate_seed, molecule, 0);
     const Vec3 v = random.gaussian_vector();
     rotation = Eigen::Quaterniond(random.gaussian(), v[0], v[1], v[2]).normalized();
   }
-  std::vector<Vec3> x;
-  for (const auto &node : mesh.nodes) x.push_back(request.x + request.radius * (rotation * node));
-  const double volume = std::pow(request.radius, 3) * dcm::volume(mesh);
-
-  if (create(request.x.data(), type.center, AtomVecDCM::CENTER, tag, molecule))
-    dcm->volume0[atom->nlocal - 1] = volume;
-
-  const tagint first = tag + 1, first_face = first + (tagint) x.size();
-  std::vector<int> local(x.size(), -1);
-  for (size_t n = 0; n < x.size(); n++)
-    if (create(x[n].data(), type.node, AtomVecDCM::NODE, first + (tagint) n, molecule))
-      local[n] = atom->nlocal - 1;
-
-  for (size_t h = 0; h < hinges.size(); h++) {
-    std::array<int, 4> n = hinges[h];
-    if (owner[h] == 2) n = {n[3], n[2], n[1], n[0]};    // the same hinge, seen from the other end
-    const int i = local[n[1]];
-    if (i < 0) continue;
-    int m = atom->num_bond[i]++;
-    atom->bond_type[i][m] = type.bond;
-    atom->bond_atom[i][m] = first + n[2];
-    dcm->l0[i][m] = rest * (x[n[2]] - x[n[1]]).norm();
-    m = atom->num_dihedral[i]++;
-    atom->dihedral_type[i][m] = type.dihedral;
-    atom->dihedral_atom1[i][m] = first + n[0];
-    atom->dihedral_atom2[i][m] = first + n[1];
-    atom->dihedral_atom3[i][m] = first + n[2];
-    atom->dihedral_atom4[i][m] = first + n[3];
-    dcm->theta0[i][m] = dcm::hinge_angle(x[n[0]], x[n[1]], x[n[2]], x[n[3]]);
+  DCMBuilder::Deformable cell;
+  cell.molecule = molecule;
+  cell.volume0 = std::pow(request.radius, 3) * dcm::volume(top.mesh);
+  const auto &x = cell.x;
+  for (const auto &node : top.mesh.nodes)
+    cell.x.push_back(request.x + request.radius * (rotation * node));
+  for (const auto &n : top.hinges) {
+    cell.l0.push_back(rest * (x[n[2]] - x[n[1]]).norm());
+    cell.theta0.push_back(dcm::hinge_angle(x[n[0]], x[n[1]], x[n[2]], x[n[3]]));
   }
-
-  for (size_t f = 0; f < mesh.faces.size(); f++) {
-    const auto &v = mesh.faces[f];
-    const Vec3 mid = (x[v[0]] + x[v[1]] + x[v[2]]) / 3.0;
-    const tagint face_tag = first_face + (tagint) f;
-    if (!create(mid.data(), type.face, AtomVecDCM::FACE, face_tag, molecule)) continue;
-    const int i = atom->nlocal - 1;
-    for (int k = 0; k < 3; k++) {
-      dcm->vertex[i][k] = first + v[k] - face_tag;
-      atom->radius[i] = std::max(atom->radius[i], (x[v[k]] - mid).norm());
-    }
-  }
+  return cell;
 }

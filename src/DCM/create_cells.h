@@ -18,7 +18,7 @@ CommandStyle(create_cells,CreateCells);
 #define LMP_CREATE_CELLS_H
 
 #include "command.h"
-#include "dcm_mesh.h"
+#include "dcm_builder.h"
 
 #include <map>
 #include <string>
@@ -35,10 +35,6 @@ class CreateCells : public Command {
   void command(int, char **) override;
 
  private:
-  struct CellType {    // atom, bond and dihedral types of a named cell type
-    int center, node, face, bond, dihedral;
-  };
-
   struct Request {    // one cell to create
     std::string name;
     bool deformable;
@@ -46,25 +42,18 @@ class CreateCells : public Command {
     double radius;
   };
 
-  struct DCMAtoms *dcm = nullptr;
-  std::map<std::pair<std::string, bool>, CellType> types;    // by name and deformable
+  std::map<std::pair<std::string, bool>, DCMBuilder::Types> types;    // by name and deformable
   std::vector<Request> requests;
-  dcm::Mesh mesh;    // shape of all deformable cells, mean radius 1
-  std::vector<std::array<int, 4>> hinges;
-  std::vector<int> owner;    // per hinge: 1 or 2, which end of the edge stores bond and dihedral
-  int slots = 0;             // most bonds stored at one node
+  DCMBuilder::Topology top;    // shape of all deformable cells
   double rest = 1.0;
   int rotate_seed = 0;
+  dcm::Mesh mesh;    // as given
   bool equal_volume = true;
 
   void read_table(const std::string &);
   void add_request(const std::vector<std::string> &, const std::string &);
   int parse_keyword(int, char **);
-  void prepare_mesh();
-  void reserve_slots();
-  bool create(const double *, int, int, tagint, tagint);
-  void create_sphere(const Request &, tagint, tagint);
-  void create_deformable(const Request &, tagint, tagint);
+  DCMBuilder::Deformable shape(const Request &, tagint) const;
   double number(const std::string &, const std::string &) const;
   int type_number(const std::string &, const std::string &, int) const;
 };

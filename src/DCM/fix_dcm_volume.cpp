@@ -59,9 +59,13 @@ FixDCMVolume::FixDCMVolume(LAMMPS *lmp, int narg, char **arg) :
     }
   }
   K_V.assign(atom->ntypes + 1, -1.0);
-  for (int i = 1; i <= atom->ntypes; i++)
-    if (parameters.used(i) && holds_centers(i))
+  for (int i = 1; i <= atom->ntypes; i++) {
+    if (!parameters.used(i)) continue;
+    if (holds_centers(i))
       K_V[i] = parameters.get(i, "K_V", DCMParameters::POSITIVE);
+    else    // deformable cells of this type may come later
+      K_V[i] = parameters.get(i, "K_V", DCMParameters::ANY, -1.0);
+  }
 
   scalar_flag = 1;
   extscalar = 1;

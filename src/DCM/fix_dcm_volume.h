@@ -39,6 +39,9 @@ class FixDCMVolume : public Fix {
   void unpack_reverse_comm(int, int *, double *) override;
   double memory_usage() override;
 
+  // bulk modulus of a cell, 0: not acted on
+  double bulk_modulus(const FixDCMCell::Cell &it) const { return acts_on(it) ? K_V[it.type] : 0.0; }
+
  private:
   FixDCMCell *cell;
   std::vector<double> K_V;         // per atom type, < 0: not acted on

@@ -1,0 +1,502 @@
+// LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
+
+// Division of a deformable cell (S1, "Cell cycle and cell division"). The mother's surface is
+// frozen as an envelope and cut by a plane; in each half a round cell grows against envelope and
+// plane to force balance with exactly its share of the mother's volume. No physical time passes:
+// balance is the minimum of the energy of the simulation's own laws (dcm_cortex.h, dcm_hinge.h,
+// dcm_volume.h) plus that of the walls, so neither dashpots nor friction play a part.
+//
+// Walls are elastic foundations on one side: pressure = wall * depth on the node's share of area,
+// towards the nearest wall point, without friction. The share is that of the round rest mesh and
+// constant, so that the force is the gradient of an energy. Walls act on nodes: where the envelope
+// is concave, the middle of a face can stick out by second order in the edge length.
+//
+// Units: lengths um, forces nN, pressures and moduli nN/um^2 (= kPa), energies nN um.
+
+#ifndef DCM_DIVISION_H
+#define DCM_DIVISION_H
+
+#include "dcm_cortex.h"
+#include "dcm_envelope.h"
+#include "dcm_hinge.h"
+#include "dcm_lbfgs.h"
+#include "dcm_mesh.h"
+#include "dcm_plane_cut.h"
+#include "dcm_vector.h"
+#include "dcm_volume.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace dcm {
+
+/// Elastic constants of a daughter and of the walls it grows against.
+struct DivisionMaterial {
+  double ks;            ///< cortex spring constant, nN/um (cortex_stiffness())
+  double kb;            ///< bending constant, nN um (bending_stiffness())
+  double K_V;           ///< bulk modulus, kPa
+  double wall = 0.0;    ///< wall pressure per depth, nN/um^3; 0: division_wall()
+};
+
+/// What a daughter has to reach.
+struct DivisionSettings {
+  double volume = 0.0;    ///< wanted volume, um^3; 0: that of its half of the envelope
+  double rest = 1.0;      ///< rest length of edges over their length in the round cell of `volume`
+  double tolerance = 1.0e-3;    ///< largest nodal force left, over ConfinedCell::force_scale()
+  int maxiter = 4000;           ///< minimization steps, all volume corrections together
+};
+
+/// A daughter in force balance, or how far it came.
+struct Daughter {
+  Mesh mesh;               ///< faces and numbering of the round mesh it grew from
+  std::vector<double> l0, theta0;    ///< rest state of edges() and hinges() of mesh, um and rad
+  int iterations;          ///< minimization steps
+  double residual;         ///< largest nodal force over ConfinedCell::force_scale()
+  double volume;           ///< um^3, within DIVISION_VOLUME of the wanted one if converged
+  double rest_volume;      ///< V0 for which pressure(K_V, volume, V0) is in balance, um^3
+  double pressure;         ///< of the cell, kPa
+  double wall_pressure;    ///< largest pressure of a wall on a node, kPa
+  double energy;           ///< cortex + bending + pressure + walls, nN um
+  double outside;          ///< largest depth of a node beyond envelope or plane, um
+  double quality;          ///< of the worst face, face_quality()
+  bool converged;          ///< volume and force balance reached
+  std::string problem;     ///< one sentence if the cell cannot be used, otherwise empty
+};
+
+/// Relative accuracy of a converged daughter's volume.
+constexpr double DIVISION_VOLUME = 1.0e-6;
+/// A node farther outside than this fraction of the daughter's radius is a `problem`.
+constexpr double DIVISION_OUTSIDE = 0.1;
+/// Depth of the wall, in units of the daughter's radius, at which it bears the pressure
+/// ks/radius, that is ten times the pressure of a cell stretched by 3 % (MODEL.md section 1).
+constexpr double DIVISION_WALL = 0.02;
+
+/// Default wall stiffness, nN/um^3: ks / (DIVISION_WALL r^2), r the radius of a ball of `volume`.
+/// The stretch a round cell needs to fill half a ball sets its pressure, some ks/r times the
+/// order of 0.5, so the walls give way by 1 to 2 % of r. Stiffer walls cost minimization steps (with the
+/// square root of the stiffness) and raise the pressure, because the round rim fills less of the
+/// edge between plane and envelope.
+inline double division_wall(double ks, double volume)
+{
+  return ks / (DIVISION_WALL * std::pow(3.0 * volume / (4.0 * PI), 2.0 / 3.0));
+}
+
+/// Shape of a triangle, 4 sqrt(3) area / (sum of squared sides): 1 equilateral, 0 degenerate.
+inline double face_quality(const Vec3 &a, const Vec3 &b, const Vec3 &c)
+{
+  const double sides = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
+  return 2.0 * std::sqrt(3.0) * (b - a).cross(c - a).norm() / sides;
+}
+
+/// Quality of the worst face of a mesh.
+inline double worst_face(const Mesh &mesh)
+{
+  double worst = 1.0;
+  for (const auto &f : mesh.faces)
+    worst = std::min(worst, face_quality(mesh.nodes[f[0]], mesh.nodes[f[1]], mesh.nodes[f[2]]));
+  return worst;
+}
+
+/// A cell in one half of an envelope: its energy and forces as a function of the node positions.
+class ConfinedCell {
+ public:
+  /// The cell lives where normal . (x - plane.point) >= 0. round: unit sphere mesh; scaled to
+  /// `volume` (um^3) it gives rest angles, shares of area and, times `rest`, the rest lengths.
+  /// The envelope must outlive the object.
+  ConfinedCell(const Envelope &envelope, const DivisionPlane &plane, const Mesh &round,
+               const DivisionMaterial &material, double volume, double rest);
+
+  /// Energy, nN um, and its gradient, nN, at positions (x1 y1 z1 x2 ...), um; infinite with a
+  /// zero gradient where the volume is not positive. Not const: it remembers nearest faces.
+  double energy(const Eigen::VectorXd &x, Eigen::VectorXd &gradient);
+
+  double enclosed(const Eigen::VectorXd &x) const;    ///< volume, um^3
+  /// Depth of point i of x beyond plane and beyond envelope, um, negative inside.
+  std::array<double, 2> depths(const Eigen::VectorXd &x, int i) const;
+  double radius() const { return size; }    ///< of a ball of the cell's volume, um
+  /// Unit of residual forces, nN: pressure ks/radius on the mean share of a node. A residual of
+  /// 1e-3 of it is like a pressure wrong by 1e-3 ks/radius, whatever the resolution.
+  double force_scale() const { return material.ks / size * mean_share; }
+
+  double V0;    ///< rest volume, um^3, to be adjusted from outside
+  std::vector<double> l0, theta0;    ///< rest lengths (um) and angles (rad)
+  DivisionMaterial material;         ///< with its wall stiffness filled in
+
+ private:
+  const Envelope &envelope;
+  DivisionPlane plane;
+  std::vector<std::array<int, 3>> faces;
+  std::vector<std::array<int, 2>> edge;
+  std::vector<std::array<int, 4>> bend;
+  std::vector<double> share;    // of the nodes, um^2
+  double size, mean_share;
+
+  // the last query of each node: it stays inside as long as it moves less than its clearance
+  struct Query {
+    Vec3 at;
+    double clearance;
+    int face;
+  };
+  std::vector<Query> query;
+
+  double cortex(const Eigen::VectorXd &x, Eigen::VectorXd &g) const;
+  double walls(const Eigen::VectorXd &x, Eigen::VectorXd &g);
+};
+
+inline ConfinedCell::ConfinedCell(const Envelope &envelope, const DivisionPlane &plane,
+                                  const Mesh &round, const DivisionMaterial &material,
+                                  double volume, double rest) :
+    V0(volume),
+    material(material), envelope(envelope), plane(plane), faces(round.faces), edge(edges(round)),
+    bend(hinges(round)), share(round.nodes.size(), 0.0)
+{
+  size = std::cbrt(3.0 * volume / (4.0 * PI));
+  if (material.wall == 0.0) this->material.wall = division_wall(material.ks, volume);
+  const double scale = std::cbrt(volume / dcm::volume(round));
+  const auto &x = round.nodes;
+  for (const auto &e : edge) l0.push_back(rest * scale * (x[e[1]] - x[e[0]]).norm());
+  for (const auto &h : bend) theta0.push_back(hinge_angle(x[h[0]], x[h[1]], x[h[2]], x[h[3]]));
+  for (const auto &f : faces) {
+    const double s = scale * scale * face_area_vector(x[f[0]], x[f[1]], x[f[2]]).norm() / 3.0;
+    for (int i : f) share[i] += s;
+  }
+  mean_share = scale * scale * area(round) / double(x.size());
+  query.assign(x.size(), {plane.point, 0.0, -1});
+}
+
+inline double ConfinedCell::enclosed(const Eigen::VectorXd &x) const
+{
+  double v = 0.0;
+  for (const auto &f : faces)
+    v += face_volume(vec(&x[3 * f[0]]) - plane.point, vec(&x[3 * f[1]]) - plane.point,
+                     vec(&x[3 * f[2]]) - plane.point);
+  return v;
+}
+
+inline std::array<double, 2> ConfinedCell::depths(const Eigen::VectorXd &x, int i) const
+{
+  const Vec3 r = vec(&x[3 * i]);
+  return {plane.normal.dot(plane.point - r), envelope.nearest(r, query[i].face).distance};
+}
+
+inline double ConfinedCell::cortex(const Eigen::VectorXd &x, Eigen::VectorXd &g) const
+{
+  double u = 0.0;
+  for (size_t n = 0; n < edge.size(); n++) {
+    const int i = 3 * edge[n][0], j = 3 * edge[n][1];
+    const Vec3 rij = vec(&x[j]) - vec(&x[i]), f = cortex_force(material.ks, l0[n], rij);
+    vec(&g[j]) -= f;
+    vec(&g[i]) += f;
+    u += cortex_energy(material.ks, rij.norm(), l0[n]);
+  }
+  for (size_t n = 0; n < bend.size(); n++) {
+    const auto &q = bend[n];
+    const Hinge h = hinge(material.kb, theta0[n], vec(&x[3 * q[0]]), vec(&x[3 * q[1]]),
+                          vec(&x[3 * q[2]]), vec(&x[3 * q[3]]));
+    vec(&g[3 * q[0]]) -= h.f1;
+    vec(&g[3 * q[1]]) -= h.f2;
+    vec(&g[3 * q[2]]) -= h.f3;
+    vec(&g[3 * q[3]]) -= h.f4;
+    u += h.energy;
+  }
+  return u;
+}
+
+inline double ConfinedCell::walls(const Eigen::VectorXd &x, Eigen::VectorXd &g)
+{
+  double u = 0.0;
+  for (size_t i = 0; i < share.size(); i++) {
+    const Vec3 r = vec(&x[3 * i]);
+    const double stiffness = material.wall * share[i];
+    const double beyond = plane.normal.dot(plane.point - r);
+    if (beyond > 0.0) {
+      u += 0.5 * stiffness * beyond * beyond;
+      vec(&g[3 * i]) -= stiffness * beyond * plane.normal;
+    }
+    Query &last = query[i];
+    if ((r - last.at).squaredNorm() < last.clearance * last.clearance) continue;
+    const EnvelopePoint p = envelope.nearest(r, last.face);
+    last = {r, std::max(0.0, -p.distance), p.face};
+    if (p.distance > 0.0) {
+      u += 0.5 * stiffness * p.distance * p.distance;
+      vec(&g[3 * i]) += stiffness * (r - p.point);    // depth times direction, never divides by it
+    }
+  }
+  return u;
+}
+
+inline double ConfinedCell::energy(const Eigen::VectorXd &x, Eigen::VectorXd &gradient)
+{
+  gradient.setZero(x.size());
+  const double v = enclosed(x);
+  if (!(v > 0.0)) return std::numeric_limits<double>::infinity();
+  const double p = pressure(material.K_V, v, V0);
+  for (const auto &f : faces) {
+    const auto a = vec(&x[3 * f[0]]), b = vec(&x[3 * f[1]]), c = vec(&x[3 * f[2]]);
+    const Vec3 third = face_pressure_force(p, a, b, c);
+    for (int i : f) vec(&gradient[3 * i]) -= third;
+  }
+  const double inside = pressure_energy(material.K_V, v, V0);
+  const double elastic = cortex(x, gradient);
+  return inside + elastic + walls(x, gradient);
+}
+
+namespace division_detail {
+
+  /// Start value of the radius over the free way to the walls: leaves room for all edges.
+  constexpr double START = 0.9;
+  /// A node moves at most this fraction of the mean rest length per step: faces do not turn over.
+  constexpr double MOVE = 0.25;
+  /// Volume correction begins once the forces are below this multiple of the tolerance.
+  constexpr double LOOSE = 10.0;
+  /// Relative volume error that may be removed by scaling.
+  constexpr double SCALED = 1.0e-3;
+
+  /// Smaller of the distances to plane and envelope, um, negative outside.
+  inline double clearance(const Envelope &envelope, const DivisionPlane &plane, const Vec3 &x)
+  {
+    return std::min(plane.normal.dot(x - plane.point), -envelope.nearest(x).distance);
+  }
+
+  /// Center to grow from: the centroid of the half, or, if that lies outside or next to a wall
+  /// of a bent half, the point of a grid over the envelope farthest from all walls.
+  inline Vec3 start_center(const Envelope &envelope, const DivisionPlane &plane,
+                           const Vec3 &centroid, double radius)
+  {
+    Vec3 best = centroid;
+    double most = clearance(envelope, plane, centroid);
+    if (most > 0.1 * radius) return best;
+    Vec3 lo = envelope.mesh().nodes[0], hi = lo;
+    for (const Vec3 &x : envelope.mesh().nodes) {
+      lo = lo.cwiseMin(x);
+      hi = hi.cwiseMax(x);
+    }
+    constexpr int n = 16;
+    for (int i = 0; i < n * n * n; i++) {
+      const Vec3 part((i % n + 0.5) / n, (i / n % n + 0.5) / n, (i / n / n + 0.5) / n);
+      const Vec3 x = lo + part.cwiseProduct(hi - lo);
+      const double c = clearance(envelope, plane, x);
+      if (c > most) {
+        most = c;
+        best = x;
+      }
+    }
+    return best;
+  }
+
+  /// Free way from x along unit vector e to plane or envelope, um: steps of the signed distance,
+  /// which never pass through the surface.
+  inline double free_way(const Envelope &envelope, const DivisionPlane &plane, const Vec3 &x,
+                         const Vec3 &e, double radius)
+  {
+    const double rate = plane.normal.dot(e), height = plane.normal.dot(x - plane.point);
+    const double end = rate < 0.0 ? -height / rate : std::numeric_limits<double>::infinity();
+    double way = 0.0;
+    int face = -1;
+    for (int i = 0; i < 50 && way < end; i++) {
+      const EnvelopePoint p = envelope.nearest(x + way * e, face);
+      face = p.face;
+      if (-p.distance < 0.01 * radius) break;
+      way -= p.distance;
+    }
+    return std::min(way, end);
+  }
+
+  /// Round mesh about the center, drawn out along its own directions to START of the free way;
+  /// as a ball that touches nothing if `ball`.
+  inline Eigen::VectorXd start(const Envelope &envelope, const DivisionPlane &plane,
+                               const Vec3 &center, const Mesh &round, double radius, bool ball)
+  {
+    const double shortest = std::max(clearance(envelope, plane, center), 0.01 * radius);
+    Eigen::VectorXd x(3 * round.nodes.size());
+    for (size_t i = 0; i < round.nodes.size(); i++) {
+      const Vec3 e = round.nodes[i].normalized();
+      const double way = ball ? shortest : free_way(envelope, plane, center, e, radius);
+      vec(&x[3 * i]) = center + START * std::max(way, shortest) * e;
+    }
+    return x;
+  }
+
+  inline double largest_node(const Eigen::VectorXd &g)
+  {
+    double m = 0.0;
+    for (int i = 0; i < int(g.size()); i += 3) m = std::max(m, vec(&g[i]).squaredNorm());
+    return std::sqrt(m);
+  }
+
+  /// Rest volume for the wanted volume. In balance, the pressure of the cell is that of walls and
+  /// cortex, P(V). With P' = dP/dlnV, V0 has to change by dlnV0 = (1 + P'/K_V) dlnV; P' is first
+  /// that of the walls alone, then taken from the last two states.
+  class VolumeCorrection {
+   public:
+    VolumeCorrection(double K_V, double stiffness) : K_V(K_V), slope(stiffness) {}
+
+    double rest_volume(double V0, double V, double wanted)
+    {
+      const double x = std::log(V), p = pressure(K_V, V, V0);
+      if (seen && std::fabs(x - last_x) > 1.0e-6) {
+        const double s = (p - last_p) / (x - last_x);
+        if (std::isfinite(s)) slope = std::clamp(s, 0.5 * slope, 2.0 * slope);
+      }
+      seen = true;
+      last_x = x;
+      last_p = p;
+      const double change = (1.0 + slope / K_V) * std::log(wanted / V);
+      return V0 * std::exp(std::clamp(change, -0.2, 0.2));
+    }
+
+    /// Pressure that changes lnV by this much, kPa.
+    double stiffness(double change) const { return (K_V + slope) * change; }
+
+   private:
+    double K_V, slope, last_x = 0.0, last_p = 0.0;
+    bool seen = false;
+  };
+
+  /// Give a cell in balance exactly the wanted volume: scale it, a change far below what its
+  /// shape is known to, and keep its pressure. False, with nothing changed, if this leaves forces
+  /// above the tolerance.
+  inline bool set_volume(ConfinedCell &cell, Eigen::VectorXd &x, double wanted, double tolerance)
+  {
+    const double v = cell.enclosed(x), old = cell.V0;
+    Vec3 mid = Vec3::Zero();
+    for (int i = 0; i < int(x.size()); i += 3) mid += 3.0 / double(x.size()) * vec(&x[i]);
+    Eigen::VectorXd y(x.size()), g;
+    for (int i = 0; i < int(x.size()); i += 3)
+      vec(&y[i]) = mid + std::cbrt(wanted / v) * (vec(&x[i]) - mid);
+    cell.V0 = old * wanted / v;
+    cell.energy(y, g);
+    if (largest_node(g) <= tolerance) {
+      x = y;
+      return true;
+    }
+    cell.V0 = old;
+    return false;
+  }
+
+  /// Bring the cell to force balance at the wanted volume. Returns the steps taken; the caller
+  /// judges the state left in x and cell.V0.
+  inline int relax(ConfinedCell &cell, Eigen::VectorXd &x, double wanted,
+                   const DivisionSettings &settings)
+  {
+    const DivisionMaterial &m = cell.material;
+    double edge = 0.0;
+    for (double l : cell.l0) edge += l / double(cell.l0.size());
+    VolumeCorrection correction(m.K_V, m.wall * cell.radius() / 3.0);
+    Lbfgs minimizer;
+    Eigen::VectorXd g;
+    double value = cell.energy(x, g);
+    const double tolerance = settings.tolerance * cell.force_scale();
+    double goal = LOOSE * tolerance;    // forces at which the volume is worth a look
+    for (int n = 0; n < settings.maxiter; n++) {
+      const double force = largest_node(g);
+      if (force > goal &&
+          minimizer.step([&](const auto &y, auto &gy) { return cell.energy(y, gy); }, x, value, g,
+                         MOVE * edge, 4.0 * m.ks))
+        continue;
+      const double v = cell.enclosed(x), error = std::fabs(v / wanted - 1.0);
+      if (force <= tolerance && error < SCALED && set_volume(cell, x, wanted, tolerance)) return n;
+      if (force > goal && error < DIVISION_VOLUME) return n;    // round-off: no lower point exists
+      cell.V0 = correction.rest_volume(cell.V0, v, wanted);
+      // forces left over make the volume uncertain: by less than the error to be corrected next
+      const double balance = correction.stiffness(0.1 * error) * cell.radius() / m.ks;
+      goal = std::clamp(balance * cell.force_scale(), 0.01 * tolerance, LOOSE * tolerance);
+      value = cell.energy(x, g);
+    }
+    return settings.maxiter;
+  }
+
+  inline void check_input(const Mesh &round, const DivisionMaterial &m, const DivisionSettings &s)
+  {
+    const std::string fault = check_mesh(round);
+    if (!fault.empty()) throw std::invalid_argument("division: round mesh: " + fault);
+    if (!(m.ks > 0.0 && m.kb >= 0.0 && m.K_V > 0.0 && m.wall >= 0.0))
+      throw std::invalid_argument("division: ks and K_V must be positive, kb and wall not negative");
+    if (!(s.volume >= 0.0 && s.rest > 0.0 && s.tolerance > 0.0))
+      throw std::invalid_argument(
+          "division: rest and tolerance must be positive, the volume not negative");
+    if (s.maxiter < 1) throw std::invalid_argument("division: maxiter must be at least 1");
+  }
+
+  /// All numbers of a daughter from its state, and what is wrong with it.
+  inline Daughter judge(ConfinedCell &cell, const Eigen::VectorXd &x, const Mesh &round,
+                        double wanted, const DivisionSettings &settings, int iterations)
+  {
+    Daughter d;
+    d.mesh.faces = round.faces;
+    for (int i = 0; i < int(x.size()); i += 3) d.mesh.nodes.push_back(vec(&x[i]));
+    d.l0 = cell.l0;
+    d.theta0 = cell.theta0;
+    d.iterations = iterations;
+    Eigen::VectorXd g;
+    d.energy = cell.energy(x, g);
+    d.residual = largest_node(g) / cell.force_scale();
+    d.volume = cell.enclosed(x);
+    d.rest_volume = cell.V0;
+    d.pressure = pressure(cell.material.K_V, d.volume, cell.V0);
+    d.outside = 0.0;
+    for (int i = 0; i < int(d.mesh.nodes.size()); i++)
+      for (double depth : cell.depths(x, i)) d.outside = std::max(d.outside, depth);
+    d.wall_pressure = cell.material.wall * d.outside;
+    d.quality = worst_face(d.mesh);
+    d.converged = d.residual <= settings.tolerance &&
+        std::fabs(d.volume / wanted - 1.0) <= DIVISION_VOLUME;
+    d.problem = check_mesh(d.mesh);
+    if (d.problem.empty() && d.outside > DIVISION_OUTSIDE * cell.radius())
+      d.problem = "a node lies " + std::to_string(d.outside / cell.radius()) +
+          " radii outside its half of the mother: the half may be too bent or too thin for the mesh";
+    return d;
+  }
+
+}    // namespace division_detail
+
+/// Grow the daughter on one side of the plane (0: where the normal points, 1: the other). round:
+/// closed mesh of a unit sphere, e.g. icosphere(2); the daughter keeps its numbering. Always
+/// returns within 2 settings.maxiter steps: read `converged` and `problem`.
+/// Throws std::invalid_argument for values out of range and a plane that leaves the half empty.
+inline Daughter grow_daughter(const Envelope &mother, const DivisionPlane &plane, int side,
+                              const Mesh &round, const DivisionMaterial &material,
+                              const DivisionSettings &settings)
+{
+  using namespace division_detail;
+  check_input(round, material, settings);
+  const DivisionPlane inward = {plane.point, side == 0 ? plane.normal : Vec3(-plane.normal)};
+  const Half half = positive_half(mother.mesh(), inward);
+  const double wanted = settings.volume > 0.0 ? settings.volume : half.volume;
+  if (!(half.volume > 0.01 * wanted))
+    throw std::invalid_argument("division: the plane leaves a half of " +
+                                std::to_string(half.volume) + " um^3 for a daughter of " +
+                                std::to_string(wanted) + " um^3");
+
+  Daughter best;
+  for (bool ball : {false, true}) {    // the ball is for halves where rays make a bad start
+    ConfinedCell cell(mother, inward, round, material, wanted, settings.rest);
+    const Vec3 center = start_center(mother, inward, half.centroid, cell.radius());
+    Eigen::VectorXd x = start(mother, inward, center, round, cell.radius(), ball);
+    const int n = relax(cell, x, wanted, settings);
+    const Daughter d = judge(cell, x, round, wanted, settings, n);
+    const bool good = d.converged && d.problem.empty();
+    const int before = ball ? best.iterations : 0;
+    if (!ball || good) best = d;
+    best.iterations = before + n;
+    if (good) break;
+  }
+  return best;
+}
+
+/// The same for a mother given as a mesh. Build the Envelope once to grow both daughters.
+inline Daughter grow_daughter(const Mesh &mother, const DivisionPlane &plane, int side,
+                              const Mesh &round, const DivisionMaterial &material,
+                              const DivisionSettings &settings)
+{
+  return grow_daughter(Envelope(mother), plane, side, round, material, settings);
+}
+
+}    // namespace dcm
+
+#endif

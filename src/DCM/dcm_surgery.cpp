@@ -1,0 +1,305 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "dcm_surgery.h"
+
+#include "atom.h"
+#include "atom_vec.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "fix.h"
+#include "modify.h"
+#include "update.h"
+#include "utils.h"
+
+#include <algorithm>
+#include <map>
+
+using namespace LAMMPS_NS;
+using dcm::Vec3;
+
+namespace {
+
+// what one atom contributes to a gathered cell
+
+struct Part {
+  tagint molecule, tag, vertex[3];
+  int kind, type, mask, region;
+  double x[3], v[3], size;    // size: rest volume of a center, radius of a sphere
+};
+
+struct Edge {
+  tagint molecule, a, b;
+  int bond, dihedral;
+  double l0;
+};
+
+// concatenation of all ranks' items
+
+template <class Item> std::vector<Item> gather_all(const std::vector<Item> &mine, MPI_Comm world)
+{
+  int nprocs;
+  MPI_Comm_size(world, &nprocs);
+  const int nbytes = (int) (mine.size() * sizeof(Item));
+  std::vector<int> counts(nprocs), offsets(nprocs, 0);
+  MPI_Allgather(&nbytes, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
+  for (int p = 1; p < nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
+  std::vector<Item> all((offsets.back() + counts.back()) / sizeof(Item));
+  MPI_Allgatherv(mine.data(), nbytes, MPI_BYTE, all.data(), counts.data(), offsets.data(), MPI_BYTE,
+                 world);
+  return all;
+}
+
+bool holds(const std::vector<tagint> &sorted, tagint value)
+{
+  return std::binary_search(sorted.begin(), sorted.end(), value);
+}
+
+}    // namespace
+
+/* ---------------------------------------------------------------------- */
+
+DCMSurgery::DCMSurgery(LAMMPS *lmp, const std::string &_asking) :
+    Pointers(lmp), builder(lmp, _asking, false), asking(_asking),
+    dcm(AtomVecDCM::require(lmp, _asking))
+{
+}
+
+/* ----------------------------------------------------------------------
+   shape and rest state of some cells, in the order of their tags: independent of
+   where their atoms live
+------------------------------------------------------------------------- */
+
+std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &molecules) const
+{
+  std::vector<Part> mine;
+  std::vector<Edge> my_edges;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!holds(molecules, atom->molecule[i])) continue;
+    Part part = {};
+    part.molecule = atom->molecule[i];
+    part.tag = atom->tag[i];
+    part.kind = dcm->kind[i];
+    part.type = atom->type[i];
+    part.mask = atom->mask[i];
+    part.region = dcm->region[i];
+    domain->unmap(atom->x[i], atom->image[i], part.x);
+    for (int k = 0; k < 3; k++) {
+      part.v[k] = atom->v[i][k];
+      part.vertex[k] = atom->tag[i] + dcm->vertex[i][k];
+    }
+    part.size = part.kind == AtomVecDCM::CENTER ? dcm->volume0[i] : atom->radius[i];
+    mine.push_back(part);
+    for (int m = 0; m < atom->num_bond[i]; m++) {
+      const tagint a = atom->tag[i], b = atom->bond_atom[i][m];
+      const int dihedral = atom->num_dihedral[i] ? atom->dihedral_type[i][0] : 0;
+      my_edges.push_back({atom->molecule[i], std::min(a, b), std::max(a, b), atom->bond_type[i][m],
+                          dihedral, dcm->l0[i][m]});
+    }
+  }
+  auto parts = gather_all(mine, world);
+  auto edges = gather_all(my_edges, world);
+  std::sort(parts.begin(), parts.end(), [](const Part &a, const Part &b) {
+    return a.molecule != b.molecule ? a.molecule < b.molecule : a.tag < b.tag;
+  });
+  std::sort(edges.begin(), edges.end(), [](const Edge &a, const Edge &b) {
+    if (a.molecule != b.molecule) return a.molecule < b.molecule;
+    return a.a != b.a ? a.a < b.a : a.b < b.b;
+  });
+
+  std::vector<Cell> cells;
+  size_t p = 0, e = 0;
+  for (tagint molecule : molecules) {
+    Cell cell;
+    cell.molecule = molecule;
+    std::map<tagint, int> node;
+    std::vector<const Part *> faces;
+    for (; p < parts.size() && parts[p].molecule == molecule; p++) {
+      const Part &part = parts[p];
+      const Vec3 x(part.x[0], part.x[1], part.x[2]), v(part.v[0], part.v[1], part.v[2]);
+      switch (part.kind) {
+        case AtomVecDCM::CENTER:
+          cell.types.center = part.type;
+          cell.mask = part.mask;
+          cell.volume0 = part.size;
+          break;
+        case AtomVecDCM::SPHERE:
+          cell.types.center = part.type;
+          cell.mask = part.mask;
+          cell.radius = part.size;
+          cell.x = x;
+          cell.v = v;
+          break;
+        case AtomVecDCM::NODE:
+          cell.types.node = part.type;
+          node[part.tag] = (int) cell.mesh.nodes.size();
+          cell.mesh.nodes.push_back(x);
+          cell.v += v;
+          cell.x += x;
+          break;
+        case AtomVecDCM::FACE:
+          cell.types.face = part.type;
+          cell.region.push_back(part.region);
+          faces.push_back(&part);
+          break;
+      }
+    }
+    if (cell.types.center == 0)
+      error->all(FLERR, "{}: cell {} does not exist at step {}", asking, molecule,
+                 update->ntimestep);
+    if (!node.empty()) {
+      cell.x /= (double) node.size();
+      cell.v /= (double) node.size();
+    }
+    for (const Part *face : faces)
+      cell.mesh.faces.push_back(
+          {node.at(face->vertex[0]), node.at(face->vertex[1]), node.at(face->vertex[2])});
+    for (; e < edges.size() && edges[e].molecule == molecule; e++) {
+      cell.types.bond = edges[e].bond;
+      if (edges[e].dihedral) cell.types.dihedral = edges[e].dihedral;
+      cell.l0.push_back(edges[e].l0);
+    }
+    cells.push_back(std::move(cell));
+  }
+  return cells;
+}
+
+/* ----------------------------------------------------------------------
+   ghosts are gone from here until the exchange that follows
+------------------------------------------------------------------------- */
+
+void DCMSurgery::begin()
+{
+  if (atom->map_style != Atom::MAP_NONE) atom->map_clear();
+  atom->nghost = 0;
+  nbefore = atom->nlocal;
+  count(expected);
+  have_used = false;
+}
+
+/* ----------------------------------------------------------------------
+   the atoms that stay keep their order
+------------------------------------------------------------------------- */
+
+void DCMSurgery::remove(const std::vector<tagint> &molecules)
+{
+  if (molecules.empty()) return;
+  int n = 0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (holds(molecules, atom->molecule[i])) {
+      expected[0] -= 1;
+      expected[1] -= atom->num_bond[i];
+      expected[2] -= atom->num_dihedral[i];
+      continue;
+    }
+    if (i != n) atom->avec->copy(i, n, 1);
+    n++;
+  }
+  atom->nlocal = nbefore = n;
+}
+
+/* ----------------------------------------------------------------------
+   first of n tags in a row that nobody has; found in the same way on all ranks
+------------------------------------------------------------------------- */
+
+tagint DCMSurgery::free_tags(tagint n)
+{
+  if (!have_used) {
+    const std::vector<tagint> mine(atom->tag, atom->tag + atom->nlocal);
+    used = gather_all(mine, world);
+    std::sort(used.begin(), used.end());
+    have_used = true;
+  }
+  tagint first = 1;
+  size_t at = 0;
+  for (; at < used.size() && used[at] - first < n; at++) first = used[at] + 1;
+  if (first > MAXTAGINT - n)
+    error->all(FLERR, "{}: no atom IDs left at step {}", asking, update->ntimestep);
+  std::vector<tagint> taken(n);
+  for (tagint k = 0; k < n; k++) taken[k] = first + k;
+  used.insert(used.begin() + at, taken.begin(), taken.end());
+  return first;
+}
+
+/* ----------------------------------------------------------------------
+   what is put in is known to all ranks; rank 0 counts it
+------------------------------------------------------------------------- */
+
+void DCMSurgery::insert(const DCMBuilder::Types &types, const DCMBuilder::Topology &top,
+                        DCMBuilder::Deformable cell)
+{
+  builder.reserve_slots(top.slots);
+  cell.tag = free_tags(top.size());
+  builder.create(types, top, cell);
+  if (comm->me) return;
+  expected[0] += top.size();
+  expected[1] += (bigint) top.hinges.size();
+  expected[2] += (bigint) top.hinges.size();
+}
+
+void DCMSurgery::insert(const DCMBuilder::Types &types, DCMBuilder::Sphere cell)
+{
+  cell.tag = free_tags(1);
+  builder.create(types, cell);
+  if (comm->me == 0) expected[0] += 1;
+}
+
+/* ----------------------------------------------------------------------
+   atoms, bonds and dihedrals of this rank
+------------------------------------------------------------------------- */
+
+void DCMSurgery::count(bigint *counts) const
+{
+  counts[0] = atom->nlocal;
+  counts[1] = counts[2] = 0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    counts[1] += atom->num_bond[i];
+    counts[2] += atom->num_dihedral[i];
+  }
+}
+
+void DCMSurgery::end()
+{
+  atom->data_fix_compute_variable(nbefore, atom->nlocal);
+
+  bigint both[6];
+  count(both);
+  std::copy(expected, expected + 3, both + 3);
+  MPI_Allreduce(MPI_IN_PLACE, both, 6, MPI_LMP_BIGINT, MPI_SUM, world);
+  if (!std::equal(both, both + 3, both + 3))
+    error->all(FLERR,
+               "{}: {} atoms, {} bonds and {} dihedrals at step {} where {}, {} and {} were "
+               "expected: atoms were lost or belong to no rank",
+               asking, both[0], both[1], both[2], update->ntimestep, both[3], both[4], both[5]);
+  atom->natoms = both[0];
+  atom->nbonds = both[1];
+  atom->ndihedrals = both[2];
+  if (atom->map_style != Atom::MAP_NONE) {
+    atom->map_init();
+    atom->map_set();
+  }
+}
+
+/* ----------------------------------------------------------------------
+   contact history stores partners by local index until its own pre_exchange: it has to
+   come first
+------------------------------------------------------------------------- */
+
+void DCMSurgery::check_order(LAMMPS *lmp, const Fix *mine, const std::string &asking)
+{
+  bool after = false;
+  for (const auto *fix : lmp->modify->get_fix_list()) {
+    if (fix == mine) after = true;
+    if (after && utils::strmatch(fix->style, "^NEIGH_HISTORY"))
+      lmp->error->all(FLERR, "{}: define pair_style dcm/contact before this fix", asking);
+  }
+}

@@ -1,0 +1,79 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifndef LMP_DCM_SURGERY_H
+#define LMP_DCM_SURGERY_H
+
+#include "dcm_builder.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Takes whole cells out of a running simulation and puts others in, in pre_exchange of a step that
+// rebuilds the neighbor lists:
+//
+//   DCMSurgery surgery(lmp, STYLE);
+//   const auto old = surgery.gather(molecules);    // all ranks see the same cells
+//   surgery.begin();
+//   surgery.remove(molecules);
+//   surgery.insert(...)                            // same calls on all ranks
+//   surgery.end();                                 // counts, atom map
+//
+// Tags of removed cells are used again, the lowest first, so that they do not run away.
+
+class DCMSurgery : protected Pointers {
+ public:
+  // a cell as it stands, the same on all ranks; deformable: radius is 0, else the mesh is empty
+
+  struct Cell {
+    tagint molecule = 0;
+    int mask = 1;
+    DCMBuilder::Types types;
+    dcm::Mesh mesh;             // unwrapped, nodes and faces by tag
+    std::vector<double> l0;     // per edge of dcm::edges(mesh)
+    std::vector<int> region;    // per face
+    double volume0 = 0.0;
+    double radius = 0.0;
+    dcm::Vec3 x = dcm::Vec3::Zero();    // mean node or center, unwrapped
+    dcm::Vec3 v = dcm::Vec3::Zero();    // mean velocity
+  };
+
+  DCMSurgery(class LAMMPS *, const std::string &asking);
+
+  // molecules: sorted; the result has the same order. Error if one of them does not exist.
+  std::vector<Cell> gather(const std::vector<tagint> &molecules) const;
+
+  void begin();
+  void remove(const std::vector<tagint> &molecules);
+  void insert(const DCMBuilder::Types &, const DCMBuilder::Topology &, DCMBuilder::Deformable);
+  void insert(const DCMBuilder::Types &, DCMBuilder::Sphere);
+  void end();
+
+  DCMBuilder builder;
+
+  // error unless fixes that keep local indices over an exchange have acted before this one
+  static void check_order(class LAMMPS *, const class Fix *, const std::string &asking);
+
+ private:
+  std::string asking;
+  struct DCMAtoms *dcm;
+  int nbefore = 0;                   // local atoms that stay
+  bigint expected[3] = {0, 0, 0};    // atoms, bonds, dihedrals, summed over ranks
+  std::vector<tagint> used;          // sorted tags of all ranks, once needed
+  bool have_used = false;
+
+  tagint free_tags(tagint);
+  void count(bigint *) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,110 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(dcm/division,FixDCMDivision);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DCM_DIVISION_H
+#define LMP_FIX_DCM_DIVISION_H
+
+#include "dcm_division.h"
+#include "dcm_surgery.h"
+#include "fix.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Division of the cells that fix dcm/growth reports ready (S1 "Cell cycle and cell division",
+// "CBM: Cell division"). A deformable cell gives two whose shapes come from dcm_division.h, a
+// center-based one two spheres in its space, whose contact is held back until they have relaxed.
+
+class FixDCMDivision : public Fix {
+ public:
+  FixDCMDivision(class LAMMPS *, int, char **);
+  ~FixDCMDivision() override;
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void initial_integrate(int) override;
+  void pre_exchange() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+  double compute_vector(int) override;
+  double memory_usage() override;
+
+ private:
+  enum Plane { RANDOM, LONG, GIVEN, VARIABLE };
+  enum Sphere { SOFTEN, TRUNCATE };
+
+  struct Job {    // one division
+    DCMSurgery::Cell mother;
+    dcm::DivisionPlane plane;
+    double volume;    // of the mother
+    dcm::DivisionMaterial material;
+    double rest;    // rest length over edge of the round cell
+    const DCMBuilder::Topology *round;
+    dcm::Daughter daughter[2];
+  };
+
+  struct Pair {    // sister spheres still held back
+    tagint molecule, other;
+    double since;
+  };
+
+  class FixDCMGrowth *growth;
+  class FixDCMCell *cell;
+  class PairDCMContact *contact;
+  std::uint64_t seed;
+  Plane plane_mode;
+  dcm::Vec3 given;
+  std::string variable_name[3];
+  Sphere sphere_mode;
+  double sphere_value;    // time of softening or largest force
+  dcm::DivisionSettings settings;
+  std::string log_name;
+  FILE *log;
+  bool continued;
+
+  std::vector<tagint> ready;                       // molecules to divide in this step
+  std::map<tagint, dcm::Vec3> variable_axis;       // of the ready cells
+  std::map<int, DCMBuilder::Topology> topology;    // icospheres by level
+  std::vector<Pair> sisters;
+
+  bigint ndcm, ncbm;    // divisions so far
+  bigint iterations;    // of sub-simulations so far
+  double seconds;       // wall time of divisions in this run
+  double outside;       // largest depth of a node outside its envelope, over the radius
+  double quality;       // worst face of a newborn cell
+
+  void parse(int, char **);
+  void evaluate_variables();
+  dcm::Vec3 axis_of(const DCMSurgery::Cell &);
+  const DCMBuilder::Topology &round_mesh(DCMSurgery &, size_t nnodes);
+  Job prepare(DCMSurgery &, const DCMSurgery::Cell &);
+  void grow(std::vector<Job> &);
+  void check(const Job &) const;
+  void insert(DCMSurgery &, Job &);
+  void insert_spheres(DCMSurgery &, const DCMSurgery::Cell &);
+  void hold_back_sisters();
+  void write_log(const DCMSurgery::Cell &, const dcm::Vec3 &axis, const tagint *daughters,
+                 double volume, double volume1, double volume2, int niter);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

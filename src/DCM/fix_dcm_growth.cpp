@@ -1,0 +1,607 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "fix_dcm_growth.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_parameters.h"
+#include "dcm_volume.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "force.h"
+#include "modify.h"
+#include "neighbor.h"
+#include "pair_dcm_contact.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+static const char STYLE[] = "Fix dcm/growth";
+
+// a cycle is over when nothing but round-off is missing
+
+static constexpr double DONE = 1.0 - 1.0e-9;
+
+// `until volume`: the rest volume goes no further than this above twice the newborn's
+
+static constexpr double MOST_PROGRESS = 1.25;
+
+// growth of a sphere's radius after which the neighbor list is rebuilt, in skins
+
+static constexpr double REBUILD = 0.02;
+
+static double radius_of(double volume)
+{
+  return std::cbrt(0.75 * volume / dcm::PI);
+}
+
+/* ----------------------------------------------------------------------
+   fix ID group dcm/growth FILE name1..nameN seed S [cycle_time v] [cycle_sd v]
+       [law linear|exponential] [compression half n] [rounding part factor]
+       [until rest|volume] [newborn V] [age zero|random] [proliferating NAME fraction]
+------------------------------------------------------------------------- */
+
+FixDCMGrowth::FixDCMGrowth(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), seed(0), law(dcm::GrowthLaw::LINEAR),
+    half(0.0), exponent(1.0), rounding(0.05), shortening(0.95), until_volume(false),
+    random_age(false), newborn(0.0), next_molecule(0), births(0), deaths(0)
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+  if (!modify->get_fix_by_style("^dcm/growth$").empty())
+    error->all(FLERR, "There is a fix dcm/growth already (ID {}); a deck has at most one",
+               modify->get_fix_by_style("^dcm/growth$")[0]->id);
+
+  parameters = std::make_unique<DCMParameters>(lmp, STYLE);
+  int iarg = 3 + parameters->parse(narg - 3, arg + 3, atom->ntypes);
+  while (iarg < narg) iarg += parse_keyword(narg - iarg, arg + iarg);
+  if (seed == 0) error->all(FLERR, "{}: keyword seed is missing; give a positive number", STYLE);
+
+  scalar_flag = vector_flag = array_flag = 1;
+  size_vector = 8;
+  size_array_rows = atom->ntypes;
+  size_array_cols = NPHASE;
+  extscalar = extvector = extarray = 0;
+  global_freq = 1;
+  restart_global = 1;
+  force_reneighbor = 1;
+  next_reneighbor = -1;
+}
+
+FixDCMGrowth::~FixDCMGrowth() = default;
+
+int FixDCMGrowth::parse_keyword(int narg, char **arg)
+{
+  const int used = parameters->parse_keyword(narg, arg, {"cycle_time", "cycle_sd"});
+  if (used) return used;
+
+  const std::string key = arg[0];
+  static const std::vector<std::string> known = {
+      "seed", "law", "compression", "rounding", "until", "newborn", "age", "proliferating"};
+  if (std::find(known.begin(), known.end(), key) == known.end())
+    error->all(FLERR, "{}: unknown keyword {}; known: cycle_time cycle_sd {}", STYLE, key,
+               utils::join_words(known, " "));
+  const int nvalues = key == "compression" || key == "rounding" || key == "proliferating" ? 2 : 1;
+  if (narg <= nvalues)
+    error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, nvalues,
+               nvalues > 1 ? "s" : "");
+  auto choose = [&](const char *first, const char *second) {
+    if (strcmp(arg[1], first) != 0 && strcmp(arg[1], second) != 0)
+      error->all(FLERR, "{}: {} must be {} or {}, not {}", STYLE, key, first, second, arg[1]);
+    return strcmp(arg[1], second) == 0;
+  };
+  auto number = [&](int k, DCMParameters::Range range) {
+    return parameters->number(key.c_str(), arg[k], range);
+  };
+
+  if (key == "seed") {
+    const double value = number(1, DCMParameters::POSITIVE);
+    if (value != std::floor(value) || value > MAXSMALLINT)
+      error->all(FLERR, "{}: seed is {}, must be a positive whole number", STYLE, arg[1]);
+    seed = (std::uint64_t) value;
+  } else if (key == "law") {
+    law = choose("linear", "exponential") ? dcm::GrowthLaw::EXPONENTIAL : dcm::GrowthLaw::LINEAR;
+  } else if (key == "compression") {
+    half = number(1, DCMParameters::POSITIVE);
+    exponent = number(2, DCMParameters::POSITIVE);
+  } else if (key == "rounding") {
+    rounding = number(1, DCMParameters::NONNEGATIVE);
+    shortening = number(2, DCMParameters::POSITIVE);
+    if (rounding > 0.5 || shortening > 1.0 || shortening < 0.5)
+      error->all(FLERR,
+                 "{}: rounding is {} {}; expected a part of the cycle of at most 0.5 and a factor "
+                 "on the rest lengths of 0.5 to 1",
+                 STYLE, arg[1], arg[2]);
+  } else if (key == "until") {
+    until_volume = choose("rest", "volume");
+  } else if (key == "newborn") {
+    newborn = number(1, DCMParameters::POSITIVE);
+  } else if (key == "age") {
+    random_age = choose("zero", "random");
+  } else {
+    fraction_names.emplace_back(arg[1]);
+    fraction_values.push_back(number(2, DCMParameters::NONNEGATIVE));
+    if (fraction_values.back() > 1.0)
+      error->all(FLERR, "{}: proliferating fraction of {} is {}, must be 0 to 1", STYLE, arg[1],
+                 arg[2]);
+  }
+  return 1 + nvalues;
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixDCMGrowth::setmask()
+{
+  return INITIAL_INTEGRATE | POST_NEIGHBOR;
+}
+
+FixDCMGrowth *FixDCMGrowth::require(LAMMPS *lmp, const std::string &asking)
+{
+  AtomVecDCM::require(lmp, asking);
+  const auto found = lmp->modify->get_fix_by_style("^dcm/growth$");
+  if (found.empty())
+    lmp->error->all(FLERR,
+                    "{} needs a fix dcm/growth, which keeps the book of cells; define it before",
+                    asking);
+  return dynamic_cast<FixDCMGrowth *>(found[0]);
+}
+
+double FixDCMGrowth::time() const
+{
+  return update->atime + (double) (update->ntimestep - update->atimestep) * update->dt;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMGrowth::init()
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+  cell = nullptr;
+  if (!modify->get_fix_by_style("^dcm/cell$").empty()) cell = FixDCMCell::require(lmp, STYLE);
+
+  fraction.assign(atom->ntypes + 1, -1.0);
+  for (size_t n = 0; n < fraction_names.size(); n++) {
+    bool any = false;
+    for (int t = 1; t <= atom->ntypes; t++) {
+      if (parameters->name(t) != fraction_names[n]) continue;
+      fraction[t] = fraction_values[n];
+      any = true;
+    }
+    if (!any)
+      error->all(FLERR, "{}: proliferating: no atom type has the cell type {}", STYLE,
+                 fraction_names[n]);
+  }
+  enroll();
+
+  // spheres have a strain only through their contacts
+
+  contact = nullptr;
+  const bool spheres = std::any_of(book.begin(), book.end(), [](const Entry &it) {
+    return !it.deformable && it.cycle > 0.0;
+  });
+  if (half > 0.0 && spheres) {
+    contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
+    if (contact) contact->request_virial();
+  }
+  next_reneighbor = -1;
+}
+
+/* ----------------------------------------------------------------------
+   cells that are not in the book yet, and out with those that are gone
+------------------------------------------------------------------------- */
+
+void FixDCMGrowth::enroll()
+{
+  struct Found {
+    tagint molecule;
+    int type, deformable;
+    double volume0;
+  };
+  std::vector<Found> mine;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const int kind = dcm->kind[i];
+    if ((kind != AtomVecDCM::CENTER && kind != AtomVecDCM::SPHERE) || !(atom->mask[i] & groupbit))
+      continue;
+    const double r = atom->radius[i];
+    const bool deformable = kind == AtomVecDCM::CENTER;
+    mine.push_back({atom->molecule[i], atom->type[i], deformable,
+                    deformable ? dcm->volume0[i] : 4.0 / 3.0 * dcm::PI * r * r * r});
+  }
+  const int nbytes = (int) (mine.size() * sizeof(Found));
+  std::vector<int> counts(comm->nprocs), offsets(comm->nprocs, 0);
+  MPI_Allgather(&nbytes, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
+  for (int p = 1; p < comm->nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
+  std::vector<Found> all((offsets.back() + counts.back()) / sizeof(Found));
+  MPI_Allgatherv(mine.data(), nbytes, MPI_BYTE, all.data(), counts.data(), offsets.data(), MPI_BYTE,
+                 world);
+  std::sort(all.begin(), all.end(), [](const Found &a, const Found &b) {
+    return a.molecule < b.molecule;
+  });
+
+  std::vector<Entry> now;
+  for (const auto &it : all) {
+    if (!parameters->used(it.type)) continue;
+    if (it.molecule <= 0 || (!now.empty() && now.back().molecule == it.molecule))
+      error->all(FLERR,
+                 "{}: two cells have molecule ID {}; every cell needs a positive one of "
+                 "its own",
+                 STYLE, it.molecule);
+    const Entry *known = find(it.molecule);
+    now.push_back(known ? *known : newcomer(it.molecule, it.type, it.deformable, it.volume0));
+  }
+  book.swap(now);
+
+  tagint last = 0;
+  for (int i = 0; i < atom->nlocal; i++) last = std::max(last, atom->molecule[i]);
+  MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_LMP_TAGINT, MPI_MAX, world);
+  next_molecule = std::max(next_molecule, last + 1);
+}
+
+/* ----------------------------------------------------------------------
+   a cell without mother: newborn, unless its size or the deck says otherwise
+------------------------------------------------------------------------- */
+
+FixDCMGrowth::Entry FixDCMGrowth::newcomer(tagint molecule, int type, int deformable,
+                                           double volume0) const
+{
+  Entry it = {};
+  it.molecule = molecule;
+  it.type = type;
+  it.deformable = deformable;
+  it.birth = time();
+  it.volume0 = it.born = volume0;
+  it.length = it.ratio = 1.0;
+  draw_cycle(it);
+  double grown = 0.0;
+  if (newborn > 0.0) {
+    grown = dcm::growth_progress(law, volume0 / newborn);
+    if (grown < -1.0e-9 || grown > 1.0 + 1.0e-9)
+      error->all(FLERR,
+                 "{}: cell {} has rest volume {}, not between newborn {} and twice that; change "
+                 "its size or keyword newborn",
+                 STYLE, molecule, volume0, newborn);
+    grown = std::max(0.0, std::min(1.0, grown));
+  } else if (random_age) {
+    grown = dcm::Random(seed, molecule, 1, dcm::RandomPurpose::CYCLE).uniform();
+  }
+  it.born = volume0 / dcm::growth_factor(law, grown);
+  it.progress = grown * (1.0 - rounding);
+  return it;
+}
+
+void FixDCMGrowth::draw_cycle(Entry &it) const
+{
+  const double mean = parameters->get(it.type, "cycle_time", DCMParameters::NONNEGATIVE, 0.0);
+  const double sd = parameters->get(it.type, "cycle_sd", DCMParameters::NONNEGATIVE, 0.0);
+  it.cycle =
+      mean > 0.0
+          ? dcm::cycle_time(mean, sd, dcm::Random(seed, it.molecule, 0, dcm::RandomPurpose::CYCLE))
+          : 0.0;
+  it.phase = it.cycle > 0.0 ? GROWING : QUIESCENT;
+}
+
+/* ---------------------------------------------------------------------- */
+
+FixDCMGrowth::Entry *FixDCMGrowth::find(tagint molecule)
+{
+  auto found =
+      std::lower_bound(book.begin(), book.end(), molecule, [](const Entry &it, tagint mol) {
+        return it.molecule < mol;
+      });
+  return found == book.end() || found->molecule != molecule ? nullptr : &*found;
+}
+
+/* ----------------------------------------------------------------------
+   volume is conserved over generations: each daughter gets half the rest volume
+------------------------------------------------------------------------- */
+
+void FixDCMGrowth::divide(const Entry &given, tagint daughter1, tagint daughter2)
+{
+  const Entry mother = given;
+  remove(mother.molecule);
+  deaths--;
+  for (const tagint molecule : {daughter1, daughter2}) {
+    Entry it = mother;
+    it.molecule = molecule;
+    it.mother = mother.molecule;
+    it.generation = mother.generation + 1;
+    it.birth = time();
+    it.volume0 = it.born = 0.5 * mother.volume0;
+    it.progress = 0.0;
+    it.length = 1.0;
+    it.pressure_before = it.pressure = 0.0;
+    draw_cycle(it);
+    book.push_back(it);    // new molecule IDs are the highest
+    births++;
+  }
+}
+
+void FixDCMGrowth::remove(tagint molecule)
+{
+  const Entry *it = find(molecule);
+  if (!it) return;
+  book.erase(book.begin() + (it - book.data()));
+  deaths++;
+}
+
+void FixDCMGrowth::fade(tagint molecule, double duration)
+{
+  Entry *it = find(molecule);
+  if (!it || it->phase == DYING) return;
+  it->phase = DYING;
+  it->fading = duration;
+  it->dying0 = it->volume0;
+}
+
+void FixDCMGrowth::convert(tagint molecule, int type, bool deformable, double volume0, double ratio)
+{
+  Entry *it = find(molecule);
+  if (!it) return;
+  it->type = type;
+  it->deformable = deformable;
+  it->born *= volume0 / it->volume0;
+  it->dying0 *= volume0 / it->volume0;
+  it->volume0 = volume0;
+  it->ratio = ratio;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMGrowth::setup_post_neighbor()
+{
+  post_neighbor();
+}
+
+void FixDCMGrowth::post_neighbor()
+{
+  const int nall = atom->nlocal + atom->nghost;
+  entry_of.assign(nall, -1);
+  for (int i = 0; i < nall; i++) {
+    if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
+    const Entry *it = find(atom->molecule[i]);
+    if (it) entry_of[i] = (int) (it - book.data());
+  }
+  built_radius.resize(book.size());
+  for (size_t n = 0; n < book.size(); n++) built_radius[n] = radius_of(book[n].volume0);
+}
+
+/* ----------------------------------------------------------------------
+   at the start of a step, so that its forces are those of the new rest state, and
+   a restart file written at its end continues with the same
+------------------------------------------------------------------------- */
+
+void FixDCMGrowth::initial_integrate(int /*vflag*/)
+{
+  hold_fractions();
+  if (contact) measure_spheres();
+  if (cell) lengths.assign(cell->cells.size(), 1.0);
+
+  bool changed = false;
+  double grown = 0.0;
+  for (size_t n = 0; n < book.size(); n++) {
+    Entry &it = book[n];
+    const double rate =
+        half > 0.0 && it.phase == GROWING ? dcm::hill_rate(strain(it, n), half, exponent) : 1.0;
+    const double before = it.volume0;
+    const double factor = advance(it, rate);
+    if (it.deformable) {
+      const int c = cell ? cell->find_cell(it.molecule) : -1;
+      if (c < 0) continue;
+      FixDCMCell::Cell &mine = cell->cells[c];
+      if (it.phase == ROUNDING || it.phase == READY)
+        it.pressure = std::max(it.pressure, mine.pressure);
+      if (it.volume0 == before && factor == 1.0) continue;
+      mine.volume0 = it.volume0;
+      lengths[c] = factor * std::cbrt(it.volume0 / before);
+    } else {
+      if (it.volume0 == before) continue;
+      grown = std::max(grown, std::fabs(radius_of(it.volume0) - built_radius[n]));
+    }
+    changed = true;
+  }
+  if (changed) apply();
+  if (grown > REBUILD * neighbor->skin) next_reneighbor = update->ntimestep;
+}
+
+/* ----------------------------------------------------------------------
+   one cell, one step; returns the factor on rest lengths by rounding up
+------------------------------------------------------------------------- */
+
+double FixDCMGrowth::advance(Entry &it, double rate)
+{
+  const double growth = 1.0 - rounding, dt = update->dt;
+  const double before = it.length;
+
+  if (it.phase == GROWING) {
+    const double most = growth * (until_volume ? MOST_PROGRESS : 1.0);
+    it.progress += rate * dt / it.cycle;
+    it.volume0 = it.born * dcm::growth_factor(law, std::min(it.progress, most) / growth);
+    bool done = it.progress >= growth * DONE;
+    if (until_volume) {
+      double volume = it.volume0;
+      const int c = it.deformable && cell ? cell->find_cell(it.molecule) : -1;
+      if (c >= 0) volume = cell->cells[c].volume;
+      done = volume >= 2.0 * it.born * DONE;
+      it.progress = done ? growth : std::min(it.progress, most);
+    }
+    if (done) {
+      it.phase = ROUNDING;
+      const int c = it.deformable && cell ? cell->find_cell(it.molecule) : -1;
+      it.pressure_before = it.pressure = c >= 0 ? cell->cells[c].pressure : 0.0;
+    }
+  } else if (it.phase == ROUNDING) {
+    it.progress += dt / it.cycle;
+    const double part = rounding > 0.0 ? (it.progress - growth) / rounding : 1.0;
+    it.length = 1.0 - (1.0 - shortening) * std::max(0.0, std::min(1.0, part));
+  } else if (it.phase == DYING) {
+    it.fading -= dt;
+    // fix dcm/death takes the cell away before nothing is left
+    const double left = it.fading + dt > 0.0 ? it.fading / (it.fading + dt) : 1.0;
+    if (left > 0.0) it.volume0 *= left;
+  }
+  if (it.phase == ROUNDING && it.progress >= DONE) it.phase = READY;
+  return it.length / before;
+}
+
+/* ----------------------------------------------------------------------
+   new rest state of atoms: centers, edges, radii (of ghosts too, without a message)
+------------------------------------------------------------------------- */
+
+void FixDCMGrowth::apply()
+{
+  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost;
+  for (int i = 0; i < nall; i++) {
+    const int kind = dcm->kind[i];
+    if (kind == AtomVecDCM::SPHERE) {
+      if (entry_of[i] >= 0) atom->radius[i] = radius_of(book[entry_of[i]].volume0);
+    } else if (i < nlocal && kind == AtomVecDCM::CENTER) {
+      dcm->volume0[i] = cell->cells[cell->cell_of[i]].volume0;
+    } else if (i < nlocal && kind == AtomVecDCM::NODE) {
+      const double factor = lengths[cell->cell_of[i]];
+      if (factor == 1.0) continue;
+      for (int m = 0; m < atom->num_bond[i]; m++)
+        if (dcm->l0[i][m] > 0.0) dcm->l0[i][m] *= factor;
+    }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   volumetric strain, positive in compression
+------------------------------------------------------------------------- */
+
+double FixDCMGrowth::strain(const Entry &it, size_t n) const
+{
+  if (it.deformable) {
+    const int c = cell ? cell->find_cell(it.molecule) : -1;
+    return c >= 0 && cell->cells[c].volume > 0.0 ? 1.0 - cell->cells[c].volume / it.volume0 : 0.0;
+  }
+  if (!contact) return 0.0;
+  return sphere_pressure[n] / parameters->get(it.type, "K_V", DCMParameters::POSITIVE);
+}
+
+void FixDCMGrowth::measure_spheres()
+{
+  sphere_pressure.assign(book.size(), 0.0);
+  for (int i = 0; i < atom->nlocal; i++)
+    if (entry_of[i] >= 0)
+      sphere_pressure[entry_of[i]] =
+          contact->sphere_virial()[i] / (3.0 * book[entry_of[i]].volume0);
+  MPI_Allreduce(MPI_IN_PLACE, sphere_pressure.data(), (int) sphere_pressure.size(), MPI_DOUBLE,
+                MPI_SUM, world);
+}
+
+/* ----------------------------------------------------------------------
+   send randomly chosen cells to quiescence, or wake them, until the proliferating
+   fraction of each cell type is as prescribed
+------------------------------------------------------------------------- */
+
+void FixDCMGrowth::hold_fractions()
+{
+  if (fraction_names.empty()) return;
+  std::vector<std::pair<double, size_t>> candidates;
+  for (const auto &name : fraction_names) {
+    int living = 0, cycling = 0;
+    double wanted = 0.0;
+    for (const auto &it : book) {
+      if (it.cycle == 0.0 || it.phase == DYING || parameters->name(it.type) != name) continue;
+      wanted = fraction[it.type];
+      living++;
+      if (it.phase != QUIESCENT) cycling++;
+    }
+    const int change = (int) std::lround(wanted * living) - cycling;
+    if (change == 0) continue;
+    const int from = change > 0 ? QUIESCENT : GROWING, to = change > 0 ? GROWING : QUIESCENT;
+    candidates.clear();
+    for (size_t n = 0; n < book.size(); n++) {
+      const Entry &it = book[n];
+      if (it.cycle == 0.0 || it.phase != from || parameters->name(it.type) != name) continue;
+      candidates.emplace_back(
+          dcm::Random(seed, it.molecule, update->ntimestep, dcm::RandomPurpose::QUIESCENCE)
+              .uniform(),
+          n);
+    }
+    std::sort(candidates.begin(), candidates.end());
+    candidates.resize(std::min(candidates.size(), (size_t) std::abs(change)));
+    for (const auto &it : candidates) book[it.second].phase = to;
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMGrowth::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  const bigint numbers[4] = {(bigint) book.size(), births, deaths, next_molecule};
+  const int size = (int) (sizeof(numbers) + book.size() * sizeof(Entry));
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(numbers, sizeof(bigint), 4, fp);
+  fwrite(book.data(), sizeof(Entry), book.size(), fp);
+}
+
+void FixDCMGrowth::restart(char *buf)
+{
+  bigint numbers[4];
+  memcpy(numbers, buf, sizeof(numbers));
+  book.resize(numbers[0]);
+  births = numbers[1];
+  deaths = numbers[2];
+  next_molecule = (tagint) numbers[3];
+  memcpy((void *) book.data(), buf + sizeof(numbers), book.size() * sizeof(Entry));
+}
+
+/* ----------------------------------------------------------------------
+   number of cells
+------------------------------------------------------------------------- */
+
+double FixDCMGrowth::compute_scalar()
+{
+  return (double) book.size();
+}
+
+/* ----------------------------------------------------------------------
+   cells growing, rounding up, ready, quiescent, dying; births, deaths; highest generation
+------------------------------------------------------------------------- */
+
+double FixDCMGrowth::compute_vector(int i)
+{
+  if (i < NPHASE)
+    return (double) std::count_if(book.begin(), book.end(), [i](const Entry &it) {
+      return it.phase == i;
+    });
+  if (i == NPHASE) return (double) births;
+  if (i == NPHASE + 1) return (double) deaths;
+  int highest = 0;
+  for (const auto &it : book) highest = std::max(highest, it.generation);
+  return highest;
+}
+
+/* ----------------------------------------------------------------------
+   cells of an atom type in a phase
+------------------------------------------------------------------------- */
+
+double FixDCMGrowth::compute_array(int i, int j)
+{
+  return (double) std::count_if(book.begin(), book.end(), [i, j](const Entry &it) {
+    return it.type == i + 1 && it.phase == j;
+  });
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixDCMGrowth::memory_usage()
+{
+  return (double) book.capacity() * sizeof(Entry) + (double) entry_of.capacity() * sizeof(int);
+}
