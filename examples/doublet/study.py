@@ -76,7 +76,7 @@ def run(args, law, level, h0, press, seed):
         log = Path(folder) / "log"
         command = [args.lmp, "-in", str(HERE / "in.doublet"), "-screen", "none", "-log", str(log)]
         settings = dict(law=law, level=level, h0=h0, press=press, seed=seed, settle=args.settle,
-                        rate=args.rate, dt=args.dt, friction=args.friction)
+                        rate=args.rate, dt=args.dt, friction=args.friction, image="no")
         if args.rest_only or press > 0.0:
             settings["longest"] = 0
         if h0 == "default":

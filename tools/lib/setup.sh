@@ -157,12 +157,13 @@ ensure_plugin() {
     cmake -S "$DCM_ROOT" -B "$DCM_BUILD" -D LAMMPS_SOURCE_DIR="$LAMMPS_SOURCE_DIR" \
       -D LAMMPS_SIZES="${LAMMPS_SIZES:-SMALLBIG}" -D DCM_TESTS="${1:-OFF}"
   } >"$log" 2>&1 || { tail -n 20 "$log" >&2; die "cmake failed; log: $log"; }
-  # say so only if there is something to do
-  if ! make -C "$DCM_BUILD" --question >/dev/null 2>&1; then
-    say "building the plugin; log: $log"
-  fi
-  cmake --build "$DCM_BUILD" --parallel "$DCM_JOBS" >>"$log" 2>&1 ||
+  # whether there is something to do shows when the first file is compiled or linked: asked before,
+  # make always says yes (--question) or does not know of changed headers yet (--dry-run)
+  local work='(Building|Linking) CXX'
+  cmake --build "$DCM_BUILD" --parallel "$DCM_JOBS" 2>&1 | tee -a "$log" |
+    { grep -m 1 -qE "$work" && say "building the plugin; log: $log"; cat >/dev/null; } ||
     { grep -E 'error|Error' "$log" | head -n 20 >&2; die "the plugin did not build; log: $log"; }
+  grep -qE "$work" "$log" || say "the plugin is up to date"
   exec 8>&-
 }
 

@@ -1,0 +1,127 @@
+"""Bad parameters of cortex and contact: one error that names style, value and remedy."""
+
+import pytest
+from bad_decks import fails, whole
+
+# --- parameters -----------------------------------------------------------------------------------
+
+BOND = "bond_coeff 1 bile_duct.dcm hepatoblast "
+BEND = "dihedral_coeff 1 bile_duct.dcm hepatoblast "
+
+
+def cortex(bond="", bend="", style=""):
+    return (
+        f"bond_style dcm/cortex {style}\n{bond or BOND}\n"
+        f"dihedral_style dcm/bend\n{bend or BEND}\n"
+    )
+
+
+PARAMETERS = {
+    # part of the deck, its text, patterns
+    "E_cor negative": ("cortex", cortex(BOND + "E_cor -1"), "Bond.*E_cor.* -1.*positive"),
+    "E_cor zero": ("cortex", cortex(BOND + "E_cor 0"), "Bond.*E_cor.* 0.*positive"),
+    "E_cor nan": ("cortex", cortex(BOND + "E_cor nan"), "Bond.*E_cor is 'nan'.*number"),
+    "E_cor inf": ("cortex", cortex(BOND + "E_cor inf"), "Bond.*E_cor is 'inf'.*number"),
+    "E_cor huge": ("cortex", cortex(BOND + "E_cor 1e999"), "Bond.*E_cor"),
+    "E_cor text": ("cortex", cortex(BOND + "E_cor soft"), "Bond.*E_cor is 'soft'.*number"),
+    "E_cor no value": ("cortex", cortex(BOND + "E_cor"), "Bond.*E_cor needs a value"),
+    "h_cor negative": ("cortex", cortex(BOND + "h_cor -1"), "Bond.*h_cor.* -1.*positive"),
+    "gamma negative": ("cortex", cortex(BOND + "gamma -1"), "Bond.*gamma.* -1"),
+    "bond keyword": ("cortex", cortex(BOND + "spring 1"), "Bond.*unknown keyword spring; known"),
+    "stiffness text": ("cortex", cortex(BOND + "stiffness x"), "Bond.*stiffness.*area.*young.*x"),
+    "bond file": ("cortex", cortex("bond_coeff 1 none.dcm hepatoblast"), "Bond.*none.dcm.*path"),
+    "bond type name": ("cortex", cortex("bond_coeff 1 bile_duct.dcm liver"),
+                       "Bond.*unknown cell type liver.*hepatoblast"),
+    "bond no name": ("cortex", cortex("bond_coeff 1 bile_duct.dcm"), "Bond.*expected.*cell-type"),
+    "bond without moduli": ("cortex", cortex("bond_coeff 1 bile_duct.dcm mesenchyme"),
+                            "Bond.*no value of E_cor for cell type mesenchyme; add"),
+    "bond type text": ("cortex", cortex("bond_coeff one bile_duct.dcm hepatoblast"), "one"),
+    "bond style arguments": ("cortex", cortex(style="fast"), "fast|[Ii]llegal"),
+    "no bond_coeff": ("cortex", cortex("#", "#"), "[Bb]ond coeffs? .*not set"),
+    "no dihedral_coeff": ("cortex", cortex(bend="#"), "[Dd]ihedral coeffs? .*not set"),
+    "nu_cor": ("cortex", cortex(bend=BEND + "nu_cor 1.5"), "Dihedral.*nu_cor.*1.5.*between"),
+    "nu_cor text": ("cortex", cortex(bend=BEND + "nu_cor x"), "Dihedral.*nu_cor is 'x'"),
+    "bend h_cor": ("cortex", cortex(bend=BEND + "h_cor -1"), "Dihedral.*h_cor.*-1.*positive"),
+    "bend keyword": ("cortex", cortex(bend=BEND + "k 1"), "Dihedral.*unknown keyword k; known"),
+    "bend rest": ("cortex", cortex(bend=BEND + "rest x"), "Dihedral.*rest must be flat or mesh"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", PARAMETERS)
+def test_cortex(lmp, scenes, case):
+    part, text, *patterns = PARAMETERS[case]
+    fails(lmp, whole(scenes.single_cell(), **{part: text}), *patterns)
+
+
+CONTACT = {
+    # pair_style arguments, pair_coeff arguments after the names, patterns
+    "E_contact": ("", "E_contact -1", "E_contact is -1.*positive"),
+    "E_contact nan": ("", "E_contact nan", "E_contact is 'nan'.*number"),
+    "E_contact text": ("", "E_contact hard", "E_contact is 'hard'.*number"),
+    "nu_contact": ("", "nu_contact 0.7", "nu_contact.*0.7.*at most 0.5"),
+    "W negative": ("", "W -0.1", "W is -0.1.*zero or positive"),
+    "W text": ("", "W glue", "W is 'glue'.*number"),
+    "friction": ("", "friction_normal -1", "friction_normal.*-1.*zero or positive"),
+    "keyword": ("", "glue 1", "unknown pair_coeff keyword glue; known"),
+    "no value": ("", "W", "keyword W needs a value"),
+    "style keyword": ("glue 1", "", "unknown keyword glue; known"),
+    "law": ("law hertz", "", "law is hertz.*dmt maugis"),
+    "branch": ("branch x", "", "branch is x.*cutoff history"),
+    "branch dmt": ("branch history", "", "history is for law maugis"),
+    "points": ("points 5", "", "points is 5.*1 to 4"),
+    "points text": ("points x", "", "x"),
+    "h0": ("h0 -1", "", "h0 is -1.*positive"),
+    "h0 text": ("h0 x", "", "h0 is 'x'.*number"),
+    "h0 auto": ("h0 auto", "", "h0 auto needs a value"),
+    "rmax": ("rmax 0.5", "", "rmax is 0.5.*at least 1"),
+    "rmax text": ("rmax x", "", "rmax is 'x'.*number"),
+    "range": ("range 0", "", "range is 0.*positive"),
+    "range below h0": ("h0 0.2 range 0.1", "", "range is 0.1.*below h0"),
+    "maxoverlap": ("maxoverlap -1", "", "maxoverlap is -1.*positive"),
+}
+
+
+@pytest.mark.parametrize("case", CONTACT)
+def test_contact(lmp, scenes, case):
+    style, coeff, *patterns = CONTACT[case]
+    scene = scenes.doublet()
+    fails(lmp, whole(scene, contact=scene.contact(style, coeff)), "Pair style dcm/contact",
+          *patterns)  # fmt: skip
+
+
+PAIR_COEFF = {
+    "file missing": ("* * none.dcm {names}", "Pair.*cannot open.*none.dcm.*path"),
+    "unknown type": ("* * bile_duct.dcm liver liver liver liver",
+                     "Pair.*unknown cell type liver.*hepatoblast"),
+    "too few names": ("* * bile_duct.dcm hepatoblast", "Pair.*4 cell-type names"),
+    "one pair": ("1 2 bile_duct.dcm {names}", "[Pp]air_coeff must start with"),
+    "no modulus": ("* * soft.dcm a a a a", "Pair.*no value of E_contact for cell type a; add"),
+    "no adhesion": ("* * bare.dcm a a a a", "Pair.*no adhesion between cell types a and a; add"),
+    "file nan": ("* * nan.dcm a a a a", "Pair.*E_contact is 'nan'.*number"),
+    "file negative": ("* * neg.dcm a a a a", "Pair.*E_contact of cell type a is -1.*positive"),
+    "file keyword": ("* * key.dcm a a a a", "Pair.*key.dcm.*E_contcat 1.*known keywords"),
+    "file adhesion": ("* * adh.dcm a a a a", "Pair.*adhesion is -1.*zero or positive"),
+    "file region": ("* * reg.dcm a a a a", "Pair.*unknown region top; known"),
+}  # fmt: skip
+FILES = {
+    "soft.dcm": "celltype a\n nu_contact 0.4\nadhesion a a 0.1\n",
+    "bare.dcm": "celltype a\n E_contact 1\n nu_contact 0.4\n",
+    "nan.dcm": "celltype a\n E_contact nan\n",
+    "neg.dcm": "celltype a\n E_contact -1\n nu_contact 0.4\nadhesion a a 0.1\n",
+    "key.dcm": "celltype a\n E_contcat 1\n",
+    "adh.dcm": "celltype a\n E_contact 1\nadhesion a a -1\n",
+    "reg.dcm": "celltype a\n E_contact 1\nadhesion a:top a 1\n",
+}
+
+
+@pytest.mark.parametrize("case", PAIR_COEFF)
+def test_pair_coeff(lmp, scenes, case):
+    text, *patterns = PAIR_COEFF[case]
+    scene = scenes.doublet()
+    contact = f"pair_style dcm/contact\npair_coeff {text.format(names=scene.NAMES)}\n"
+    fails(lmp, whole(scene, contact=contact + "neighbor 0.4 multi\n"), *patterns, files=FILES)
+
+
+def test_no_pair_coeff(lmp, scenes):
+    contact = "pair_style dcm/contact\nneighbor 0.4 multi\n"
+    fails(lmp, whole(scenes.doublet(), contact=contact), "[Pp]air coeffs are not set|pair_coeff")
