@@ -60,15 +60,16 @@ def common_palette(images):
         strip.paste(image, (left, 0))
         left += image.width
     palette = strip.quantize(256, dither=0)
-    # its colors are means of similar ones; the background stays exactly what it is. Pillow looks
-    # colors up in steps of 4, so all that are that close become the background
+    # its colors are means of similar ones; the background shall stay exactly what it is. Pillow
+    # does not always find the nearest color, so change the one that it finds until that holds
     _, ground = max(strip.getcolors(strip.width * strip.height))
-    at = Image.new("RGB", (1, 1), ground).quantize(palette=palette, dither=0).getpixel((0, 0))
-    colors = palette.getpalette()
-    for k in range(0, len(colors), 3):
-        if k == 3 * at or all(abs(a - b) <= 4 for a, b in zip(colors[k:k + 3], ground)):
-            colors[k:k + 3] = ground
-    palette.putpalette(colors)
+    pixel, colors = Image.new("RGB", (1, 1), ground), palette.getpalette()
+    for _ in range(256):
+        at = 3 * pixel.quantize(palette=palette, dither=0).getpixel((0, 0))
+        if colors[at:at + 3] == list(ground):
+            break
+        colors[at:at + 3] = ground
+        palette.putpalette(colors)
     return palette
 
 
