@@ -53,10 +53,10 @@ struct DivisionSettings {
 
 /// A daughter in force balance, or how far it came.
 struct Daughter {
-  Mesh mesh;               ///< faces and numbering of the round mesh it grew from
+  Mesh mesh;                         ///< faces and numbering of the round mesh it grew from
   std::vector<double> l0, theta0;    ///< rest state of edges() and hinges() of mesh, um and rad
-  int iterations;          ///< minimization steps
-  double residual;         ///< largest nodal force over ConfinedCell::force_scale()
+  int iterations;                    ///< minimization steps
+  double residual;                   ///< largest nodal force over ConfinedCell::force_scale()
   double volume;           ///< um^3, within DIVISION_VOLUME of the wanted one if converged
   double rest_volume;      ///< V0 for which pressure(K_V, volume, V0) is in balance, um^3
   double pressure;         ///< of the cell, kPa
@@ -72,15 +72,14 @@ struct Daughter {
 constexpr double DIVISION_VOLUME = 1.0e-6;
 /// A node farther outside than this fraction of the daughter's radius is a `problem`.
 constexpr double DIVISION_OUTSIDE = 0.1;
-/// Depth of the wall, in units of the daughter's radius, at which it bears the pressure
-/// ks/radius, that is ten times the pressure of a cell stretched by 3 % (MODEL.md section 1).
-constexpr double DIVISION_WALL = 0.02;
+/// Depth at which a wall bears the pressure ks/radius, in units of the daughter's radius.
+constexpr double DIVISION_WALL = 1.0 / 60.0;
 
 /// Default wall stiffness, nN/um^3: ks / (DIVISION_WALL r^2), r the radius of a ball of `volume`.
-/// The stretch a round cell needs to fill half a ball sets its pressure, some ks/r times the
-/// order of 0.5, so the walls give way by 1 to 2 % of r. Stiffer walls cost minimization steps (with the
-/// square root of the stiffness) and raise the pressure, because the round rim fills less of the
-/// edge between plane and envelope.
+/// A round cell that fills half a ball is stretched by about 9 % and presses with 0.7 to 1.2 ks/r
+/// (with 2562 to 162 nodes), so nodes lie less than 0.02 r behind the walls. Stiffer walls are no
+/// gain: the corner between plane and envelope, which the round rim leaves empty, then has to be
+/// made up by pressure (twice the stiffness: 1.5 times the pressure at 162 nodes).
 inline double division_wall(double ks, double volume)
 {
   return ks / (DIVISION_WALL * std::pow(3.0 * volume / (4.0 * PI), 2.0 / 3.0));
@@ -123,7 +122,7 @@ class ConfinedCell {
   /// 1e-3 of it is like a pressure wrong by 1e-3 ks/radius, whatever the resolution.
   double force_scale() const { return material.ks / size * mean_share; }
 
-  double V0;    ///< rest volume, um^3, to be adjusted from outside
+  double V0;                         ///< rest volume, um^3, to be adjusted from outside
   std::vector<double> l0, theta0;    ///< rest lengths (um) and angles (rad)
   DivisionMaterial material;         ///< with its wall stiffness filled in
 
@@ -248,14 +247,20 @@ inline double ConfinedCell::energy(const Eigen::VectorXd &x, Eigen::VectorXd &gr
 
 namespace division_detail {
 
-  /// Start value of the radius over the free way to the walls: leaves room for all edges.
+  /// Radius of the first ball over its distance to the walls.
   constexpr double START = 0.9;
+  /// Growth of radius and rest lengths per stage, and forces over the tolerance that end a stage.
+  constexpr double STAGE = 1.25, ROUGH = 100.0;
   /// A node moves at most this fraction of the mean rest length per step: faces do not turn over.
   constexpr double MOVE = 0.25;
   /// Volume correction begins once the forces are below this multiple of the tolerance.
   constexpr double LOOSE = 10.0;
   /// Relative volume error that may be removed by scaling.
   constexpr double SCALED = 1.0e-3;
+  /// Volume corrections at most; four or five are usual.
+  constexpr int CORRECTIONS = 50;
+  /// A hinge bent farther than this, rad, is a fold: faces lie on each other.
+  constexpr double FOLD = 2.6;
 
   /// Smaller of the distances to plane and envelope, um, negative outside.
   inline double clearance(const Envelope &envelope, const DivisionPlane &plane, const Vec3 &x)
@@ -289,37 +294,22 @@ namespace division_detail {
     return best;
   }
 
-  /// Free way from x along unit vector e to plane or envelope, um: steps of the signed distance,
-  /// which never pass through the surface.
-  inline double free_way(const Envelope &envelope, const DivisionPlane &plane, const Vec3 &x,
-                         const Vec3 &e, double radius)
+  /// Round mesh as a ball of the given radius.
+  inline Eigen::VectorXd ball(const Mesh &round, const Vec3 &center, double radius)
   {
-    const double rate = plane.normal.dot(e), height = plane.normal.dot(x - plane.point);
-    const double end = rate < 0.0 ? -height / rate : std::numeric_limits<double>::infinity();
-    double way = 0.0;
-    int face = -1;
-    for (int i = 0; i < 50 && way < end; i++) {
-      const EnvelopePoint p = envelope.nearest(x + way * e, face);
-      face = p.face;
-      if (-p.distance < 0.01 * radius) break;
-      way -= p.distance;
-    }
-    return std::min(way, end);
+    const double scale = radius / std::cbrt(3.0 * dcm::volume(round) / (4.0 * PI));
+    Eigen::VectorXd x(3 * round.nodes.size());
+    for (size_t i = 0; i < round.nodes.size(); i++)
+      vec(&x[3 * i]) = center + scale * round.nodes[i];
+    return x;
   }
 
-  /// Round mesh about the center, drawn out along its own directions to START of the free way;
-  /// as a ball that touches nothing if `ball`.
-  inline Eigen::VectorXd start(const Envelope &envelope, const DivisionPlane &plane,
-                               const Vec3 &center, const Mesh &round, double radius, bool ball)
+  /// Scale positions about their mean.
+  inline void inflate(Eigen::VectorXd &x, double factor)
   {
-    const double shortest = std::max(clearance(envelope, plane, center), 0.01 * radius);
-    Eigen::VectorXd x(3 * round.nodes.size());
-    for (size_t i = 0; i < round.nodes.size(); i++) {
-      const Vec3 e = round.nodes[i].normalized();
-      const double way = ball ? shortest : free_way(envelope, plane, center, e, radius);
-      vec(&x[3 * i]) = center + START * std::max(way, shortest) * e;
-    }
-    return x;
+    Vec3 mid = Vec3::Zero();
+    for (int i = 0; i < int(x.size()); i += 3) mid += 3.0 / double(x.size()) * vec(&x[i]);
+    for (int i = 0; i < int(x.size()); i += 3) vec(&x[i]) = mid + factor * (vec(&x[i]) - mid);
   }
 
   inline double largest_node(const Eigen::VectorXd &g)
@@ -364,11 +354,8 @@ namespace division_detail {
   inline bool set_volume(ConfinedCell &cell, Eigen::VectorXd &x, double wanted, double tolerance)
   {
     const double v = cell.enclosed(x), old = cell.V0;
-    Vec3 mid = Vec3::Zero();
-    for (int i = 0; i < int(x.size()); i += 3) mid += 3.0 / double(x.size()) * vec(&x[i]);
-    Eigen::VectorXd y(x.size()), g;
-    for (int i = 0; i < int(x.size()); i += 3)
-      vec(&y[i]) = mid + std::cbrt(wanted / v) * (vec(&x[i]) - mid);
+    Eigen::VectorXd y = x, g;
+    inflate(y, std::cbrt(wanted / v));
     cell.V0 = old * wanted / v;
     cell.energy(y, g);
     if (largest_node(g) <= tolerance) {
@@ -379,44 +366,92 @@ namespace division_detail {
     return false;
   }
 
-  /// Bring the cell to force balance at the wanted volume. Returns the steps taken; the caller
-  /// judges the state left in x and cell.V0.
-  inline int relax(ConfinedCell &cell, Eigen::VectorXd &x, double wanted,
-                   const DivisionSettings &settings)
-  {
-    const DivisionMaterial &m = cell.material;
-    double edge = 0.0;
-    for (double l : cell.l0) edge += l / double(cell.l0.size());
-    VolumeCorrection correction(m.K_V, m.wall * cell.radius() / 3.0);
-    Lbfgs minimizer;
-    Eigen::VectorXd g;
-    double value = cell.energy(x, g);
-    const double tolerance = settings.tolerance * cell.force_scale();
-    double goal = LOOSE * tolerance;    // forces at which the volume is worth a look
-    for (int n = 0; n < settings.maxiter; n++) {
-      const double force = largest_node(g);
-      if (force > goal &&
-          minimizer.step([&](const auto &y, auto &gy) { return cell.energy(y, gy); }, x, value, g,
-                         MOVE * edge, 4.0 * m.ks))
-        continue;
-      const double v = cell.enclosed(x), error = std::fabs(v / wanted - 1.0);
-      if (force <= tolerance && error < SCALED && set_volume(cell, x, wanted, tolerance)) return n;
-      if (force > goal && error < DIVISION_VOLUME) return n;    // round-off: no lower point exists
-      cell.V0 = correction.rest_volume(cell.V0, v, wanted);
-      // forces left over make the volume uncertain: by less than the error to be corrected next
-      const double balance = correction.stiffness(0.1 * error) * cell.radius() / m.ks;
-      goal = std::clamp(balance * cell.force_scale(), 0.01 * tolerance, LOOSE * tolerance);
-      value = cell.energy(x, g);
+  /// Minimizer of the energy of a cell, with the state it has reached.
+  class Relaxation {
+   public:
+    Eigen::VectorXd x;
+    int steps = 0;
+
+    Relaxation(ConfinedCell &cell, const DivisionSettings &settings, Eigen::VectorXd start) :
+        x(std::move(start)), cell(cell), settings(settings),
+        tolerance(settings.tolerance * cell.force_scale())
+    {
+      for (double l : cell.l0) edge += l / double(cell.l0.size());
     }
-    return settings.maxiter;
-  }
+
+    /// Steps until the largest nodal force is below a multiple of the tolerance; false if none
+    /// leads lower or there are too many.
+    bool descend(double multiple)
+    {
+      double value = cell.energy(x, g);
+      auto function = [&](const Eigen::VectorXd &y, Eigen::VectorXd &gy) {
+        return cell.energy(y, gy);
+      };
+      while (largest_node(g) > multiple * tolerance)
+        if (steps++ >= settings.maxiter ||
+            !minimizer.step(function, x, value, g, MOVE * edge, 4.0 * cell.material.ks))
+          return false;
+      return true;
+    }
+
+    /// Grow a ball of `size` times the final radius to full size. The rest state grows with it,
+    /// so that the cell stays taut: edges shorter than at rest would fold where walls hold them.
+    void grow(double size, double ratio)
+    {
+      const double V0 = cell.V0;
+      const std::vector<double> l0 = cell.l0;
+      while (size < 1.0) {
+        set_size(V0, l0, size);
+        descend(ROUGH);
+        const double factor = std::min(ratio, 1.0 / size);
+        size = factor * size > 1.0 - 1.0e-9 ? 1.0 : factor * size;
+        inflate(x, factor);
+      }
+      set_size(V0, l0, 1.0);
+    }
+
+    /// Force balance at the wanted volume.
+    void balance(double wanted)
+    {
+      const DivisionMaterial &m = cell.material;
+      VolumeCorrection correction(m.K_V, m.wall * cell.radius() / 3.0);
+      double goal = LOOSE;
+      for (int n = 0; n < CORRECTIONS && steps < settings.maxiter; n++) {
+        const bool lower = descend(goal);
+        const double v = cell.enclosed(x), error = std::fabs(v / wanted - 1.0);
+        if (error < SCALED && largest_node(g) <= tolerance &&
+            set_volume(cell, x, wanted, tolerance))
+          return;
+        if (!lower && error < DIVISION_VOLUME) return;    // round-off: no lower point exists
+        cell.V0 = correction.rest_volume(cell.V0, v, wanted);
+        // forces left over make the volume uncertain: by less than the error to be corrected next
+        const double uncertain = correction.stiffness(0.1 * error) * cell.radius() / m.ks;
+        goal = std::clamp(uncertain / settings.tolerance, 0.01, LOOSE);
+      }
+    }
+
+   private:
+    ConfinedCell &cell;
+    const DivisionSettings &settings;
+    const double tolerance;
+    double edge = 0.0;    // mean rest length of the full-grown cell, um
+    Eigen::VectorXd g;
+    Lbfgs minimizer;
+
+    void set_size(double V0, const std::vector<double> &l0, double size)
+    {
+      cell.V0 = size * size * size * V0;
+      for (size_t n = 0; n < l0.size(); n++) cell.l0[n] = size * l0[n];
+    }
+  };
 
   inline void check_input(const Mesh &round, const DivisionMaterial &m, const DivisionSettings &s)
   {
     const std::string fault = check_mesh(round);
     if (!fault.empty()) throw std::invalid_argument("division: round mesh: " + fault);
     if (!(m.ks > 0.0 && m.kb >= 0.0 && m.K_V > 0.0 && m.wall >= 0.0))
-      throw std::invalid_argument("division: ks and K_V must be positive, kb and wall not negative");
+      throw std::invalid_argument(
+          "division: ks and K_V must be positive, kb and wall not negative");
     if (!(s.volume >= 0.0 && s.rest > 0.0 && s.tolerance > 0.0))
       throw std::invalid_argument(
           "division: rest and tolerance must be positive, the volume not negative");
@@ -444,21 +479,32 @@ namespace division_detail {
       for (double depth : cell.depths(x, i)) d.outside = std::max(d.outside, depth);
     d.wall_pressure = cell.material.wall * d.outside;
     d.quality = worst_face(d.mesh);
-    d.converged = d.residual <= settings.tolerance &&
-        std::fabs(d.volume / wanted - 1.0) <= DIVISION_VOLUME;
+    d.converged =
+        d.residual <= settings.tolerance && std::fabs(d.volume / wanted - 1.0) <= DIVISION_VOLUME;
     d.problem = check_mesh(d.mesh);
+    if (d.problem.empty())
+      for (const auto &q : hinges(d.mesh))
+        if (std::fabs(hinge_angle(d.mesh.nodes[q[0]], d.mesh.nodes[q[1]], d.mesh.nodes[q[2]],
+                                  d.mesh.nodes[q[3]])) > FOLD) {
+          d.problem = "the surface is folded at the edge between nodes " +
+                      std::to_string(q[1] + 1) + " and " + std::to_string(q[2] + 1);
+          break;
+        }
     if (d.problem.empty() && d.outside > DIVISION_OUTSIDE * cell.radius())
       d.problem = "a node lies " + std::to_string(d.outside / cell.radius()) +
-          " radii outside its half of the mother: the half may be too bent or too thin for the mesh";
+                  " radii outside its half of the mother: the half may be too bent or too thin for "
+                  "the mesh";
     return d;
   }
 
 }    // namespace division_detail
 
 /// Grow the daughter on one side of the plane (0: where the normal points, 1: the other). round:
-/// closed mesh of a unit sphere, e.g. icosphere(2); the daughter keeps its numbering. Always
-/// returns within 2 settings.maxiter steps: read `converged` and `problem`.
-/// Throws std::invalid_argument for values out of range and a plane that leaves the half empty.
+/// closed mesh of a unit sphere, e.g. icosphere(2); the daughter keeps its numbering. It is turned
+/// by plane_frame(), so that the result turns with the mother and daughters of a symmetric mother
+/// are alike.
+/// Always returns within 2 settings.maxiter steps: read `converged` and `problem`. Throws
+/// std::invalid_argument for values out of range and a plane that leaves the half empty.
 inline Daughter grow_daughter(const Envelope &mother, const DivisionPlane &plane, int side,
                               const Mesh &round, const DivisionMaterial &material,
                               const DivisionSettings &settings)
@@ -473,17 +519,26 @@ inline Daughter grow_daughter(const Envelope &mother, const DivisionPlane &plane
                                 std::to_string(half.volume) + " um^3 for a daughter of " +
                                 std::to_string(wanted) + " um^3");
 
+  // the same rotation on both sides: an icosphere looks alike from opposite sides
+  const Mat3 frame = plane_frame(mother.mesh(), plane.normal);
+  Mesh turned = round;
+  for (Vec3 &x : turned.nodes) x = frame * x;
+
   Daughter best;
-  for (bool ball : {false, true}) {    // the ball is for halves where rays make a bad start
-    ConfinedCell cell(mother, inward, round, material, wanted, settings.rest);
+  for (double ratio : {STAGE, std::sqrt(std::sqrt(STAGE))}) {    // slower if the first try fails
+    ConfinedCell cell(mother, inward, turned, material, wanted, settings.rest);
     const Vec3 center = start_center(mother, inward, half.centroid, cell.radius());
-    Eigen::VectorXd x = start(mother, inward, center, round, cell.radius(), ball);
-    const int n = relax(cell, x, wanted, settings);
-    const Daughter d = judge(cell, x, round, wanted, settings, n);
+    const double room = START * clearance(mother, inward, center) / cell.radius();
+    const double size = std::clamp(room, 0.05, 1.0);
+    Relaxation relaxation(cell, settings, ball(turned, center, size * cell.radius()));
+    relaxation.grow(size, ratio);
+    relaxation.balance(wanted);
+    Daughter d = judge(cell, relaxation.x, round, wanted, settings, relaxation.steps);
     const bool good = d.converged && d.problem.empty();
-    const int before = ball ? best.iterations : 0;
-    if (!ball || good) best = d;
-    best.iterations = before + n;
+    if (ratio == STAGE || good) {
+      d.iterations += ratio == STAGE ? 0 : best.iterations;
+      best = d;
+    }
     if (good) break;
   }
   return best;

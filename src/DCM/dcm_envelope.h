@@ -63,8 +63,8 @@ class Envelope {
 
   Mesh shape;
   std::vector<Triangle> triangles;
-  std::vector<int> place;    // of each face in the list of triangles
-  std::vector<Box> boxes;    // the first child of a box follows it
+  std::vector<int> place;                          // of each face in the list of triangles
+  std::vector<Box> boxes;                          // the first child of a box follows it
   std::vector<std::array<Vec3, 3>> side_normal;    // of sides ab, bc, ca of each face
   std::vector<Vec3> node_normal;
 
@@ -153,7 +153,8 @@ inline void Envelope::set_normals()
         triangles[place[half[i].face]].normal + triangles[place[half[i + 1].face]].normal;
     for (size_t j = i; j < i + 2; j++)
       for (int k = 0; k < 3; k++)
-        if (faces[half[j].face][(k + 2) % 3] == half[j].opposite) side_normal[half[j].face][k] = sum;
+        if (faces[half[j].face][(k + 2) % 3] == half[j].opposite)
+          side_normal[half[j].face][k] = sum;
   }
   for (size_t f = 0; f < faces.size(); f++)
     for (int k = 0; k < 3; k++) {
@@ -215,11 +216,14 @@ inline double Envelope::gap2(const Box &box, const Vec3 &x)
 inline const Vec3 &Envelope::pseudo_normal(const Triangle &t, Feature feature) const
 {
   switch (feature) {
-    case FACE: return t.normal;
+    case FACE:
+      return t.normal;
     case SIDE_AB:
     case SIDE_BC:
-    case SIDE_CA: return side_normal[t.face][feature - SIDE_AB];
-    default: return node_normal[shape.faces[t.face][feature - CORNER_A]];
+    case SIDE_CA:
+      return side_normal[t.face][feature - SIDE_AB];
+    default:
+      return node_normal[shape.faces[t.face][feature - CORNER_A]];
   }
 }
 

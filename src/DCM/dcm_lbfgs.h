@@ -1,6 +1,6 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// Minimum of a smooth function of many variables: limited-memory BFGS (Nocedal & Wright,
+// Minimum of a smooth function of many points in space: limited-memory BFGS (Nocedal & Wright,
 // Numerical Optimization, chapter 7) with a bracketing line search for the weak Wolfe conditions.
 // Bounded work, no exceptions; a function value that is not finite counts as too high.
 
@@ -38,7 +38,9 @@ class Lbfgs {
         d = -g / stiffness;
         if (!(d.dot(g) < 0.0)) return false;
       }
-      const double largest = d.cwiseAbs().maxCoeff();
+      // of points, not of coordinates: the same steps whichever way the system is turned
+      const double largest =
+          Eigen::Map<const Eigen::Matrix3Xd>(d.data(), 3, d.size() / 3).colwise().norm().maxCoeff();
       if (largest > longest) d *= longest / largest;
       if (search(f, x, value, g)) return true;
       if (pairs.empty()) return false;

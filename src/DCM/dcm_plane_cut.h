@@ -115,10 +115,8 @@ inline DivisionPlane halving_plane(const Mesh &mother, const Vec3 &normal)
   return {mid + offset * n, n};
 }
 
-/// Longest principal axis of the body enclosed by a mesh: unit eigenvector of the largest
-/// eigenvalue of the second moment of its volume. Its component of largest magnitude is positive.
-/// For a body without one longest axis, like a ball, round-off decides.
-inline Vec3 long_axis(const Mesh &mesh)
+/// Second moment of the volume enclosed by a mesh about its centroid, um^5.
+inline Mat3 second_moment(const Mesh &mesh)
 {
   const Vec3 mid = plane_cut_detail::middle(mesh);
   double sum = 0.0;
@@ -130,15 +128,43 @@ inline Vec3 long_axis(const Mesh &mesh)
     const Vec3 s = a + b + c;
     sum += v;
     first += 0.25 * v * s;
-    second += 0.05 * v *
-        (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
+    second +=
+        0.05 * v * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
   }
-  second -= first * first.transpose() / sum;    // about the centroid
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(second);
+  return second - first * first.transpose() / sum;
+}
+
+/// Longest principal axis of the body enclosed by a mesh: unit eigenvector of the largest
+/// eigenvalue of the second moment of its volume. Its component of largest magnitude is positive.
+/// For a body without one longest axis, like a ball, round-off decides.
+inline Vec3 long_axis(const Mesh &mesh)
+{
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(second_moment(mesh));
   Vec3 axis = solver.eigenvectors().col(2);    // eigenvalues ascend
   int largest;
   axis.cwiseAbs().maxCoeff(&largest);
   return axis[largest] < 0.0 ? Vec3(-axis) : axis;
+}
+
+/// Rotation that turns z to the unit normal of a plane and x to the direction within the plane in
+/// which the body is longest. For a body as long in all these directions (within 1e-6), x goes
+/// next to the coordinate axis closest to the plane instead, so that round-off decides nothing.
+inline Mat3 plane_frame(const Mesh &mesh, const Vec3 &normal)
+{
+  int least;
+  normal.cwiseAbs().minCoeff(&least);
+  const Vec3 u = (Vec3::Unit(least) - normal[least] * normal).normalized(), v = normal.cross(u);
+  const Mat3 m = second_moment(mesh);
+  const double uu = u.dot(m * u), vv = v.dot(m * v), uv = u.dot(m * v);
+  Mat3 frame;
+  frame.col(2) = normal;
+  frame.col(0) = u;
+  if (std::hypot(uu - vv, 2.0 * uv) > 1.0e-6 * (uu + vv)) {
+    const double angle = 0.5 * std::atan2(2.0 * uv, uu - vv);
+    frame.col(0) = std::cos(angle) * u + std::sin(angle) * v;
+  }
+  frame.col(1) = normal.cross(frame.col(0));
+  return frame;
 }
 
 }    // namespace dcm

@@ -157,6 +157,40 @@ def test_contacts(scene, tmp_path):
     assert np.isnan(r.contact_area).all()
 
 
+def test_quality_of_single_triangles():
+    from lammps_dcm.analysis import triangle_quality
+
+    # base 2, height h: area h, sum of squares 4 + 2 (1 + h^2)
+    corners = np.array([[(-1, 0, 0), (1, 0, 0), (0, h, 0)] for h in (3**0.5, 1.0, 1e-3, 0.0)])
+    expected = [1.0, 4 * 3**0.5 / 8, 4 * 3**0.5 * 1e-3 / (6 + 2e-6), 0.0]
+    assert triangle_quality(corners) == pytest.approx(expected, rel=1e-12)
+    assert triangle_quality(np.zeros((1, 3, 3))) == [0.0]
+
+
+def test_quality_of_an_icosahedron_and_a_sliver(scene, tmp_path):
+    scene.dcm((0, 0, 0), 5.0, level=0)
+    scene.dcm((49, 0, 0), 5.0, level=0)    # across the boundary
+    a, b = scene.rows[1], scene.rows[12]    # nodes 0 and 11 of cell 1, an edge
+    frame = scene.frame(0, wrap=True)
+    a.update({x: b[x] + 0.05 * (a[x] - b[x]) for x in "xyz"})
+    u = make(scene, tmp_path, frame, scene.frame(1, wrap=True))
+    r = lammps_dcm.CellQuality(u).run().results
+    assert r.worst[0] == pytest.approx([1.0, 1.0], rel=1e-12)
+    # edges 1 and angle 60 degrees: with sides 0.05 and 1 the third has the square 1.0025 - 0.05,
+    # the area is 0.025 sin 60, so 4 sqrt(3) A = 0.15; 15 of 20 faces are as before
+    assert r.worst[1] == pytest.approx([0.15 / (0.0025 + 1 + 0.9525), 1.0], rel=1e-12)
+    assert r.median == pytest.approx(np.ones((2, 2)), rel=1e-12)
+    bad = next(f for f in scene.rows if f["id"] == r.worst_face[1, 0])
+    assert {a["id"], b["id"]} < {bad[v] for v in ("v1", "v2", "v3")}
+
+
+def test_quality_lacks_nodes(scene, tmp_path):
+    scene.dcm((0, 0, 0), 5.0, level=1)
+    u = make(scene, tmp_path, scene.frame(0, keep=lambda r: r["id"] != 6))
+    with pytest.warns(UserWarning, match="cell 1: nodes are missing"):
+        assert np.isnan(lammps_dcm.CellQuality(u).run().results.worst[0, 0])
+
+
 def test_no_faces_teaches(scene, tmp_path):
     scene.cbm((0, 0, 0), 5.0)
     (tmp_path / "dump").write_text(scene.frame(0))

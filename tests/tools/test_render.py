@@ -130,6 +130,20 @@ def test_cells_table(files, tmp_path):
                                                      rel=1e-6)
 
 
+def test_quality_table(files, tmp_path, capsys):
+    assert main(["quality", *files]) == 0
+    rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))
+    assert [(r["step"], r["cell"]) for r in rows] == [("50", "1"), ("50", "2")]
+    assert all(0.9 < float(r["worst"]) < float(r["median"]) < 1.0 for r in rows)
+    out = tmp_path / "q.csv"
+    assert main(["quality", *files[1:], "-o", str(out)]) == 0    # the data file alone
+    assert len(out.read_text().splitlines()) == 3
+    assert main(["quality", *files, "--frame", "all", "-o", str(out)]) == 0
+    assert len(out.read_text().splitlines()) == 5
+    assert main(["quality", *files, "--frame", "7"]) == 1
+    assert "there are 2 frames" in capsys.readouterr().err
+
+
 def test_log(tmp_path, capsys):
     path = tmp_path / "log.lammps"
     path.write_text(LOG)

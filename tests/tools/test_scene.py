@@ -81,6 +81,23 @@ def test_ring_spheroid_doublet():
     assert distance(a, b) == pytest.approx(9.0)
 
 
+def test_sheet():
+    cells = scene.sheet(cells=19, radius=5.0)
+    assert all(c.z == 5.0 for c in cells)
+    # middle, six neighbours at 10, then six at 10 sqrt(3) and six at 20
+    rho = sorted(math.hypot(c.x, c.y) for c in cells)
+    assert rho == pytest.approx([0] + [10] * 6 + [17.3205081] * 6 + [20] * 6, abs=1e-6)
+    assert max(overlap_by_loop(scene.sheet(cells=n)) for n in (7, 40, 300)) <= 1e-9
+    assert {math.hypot(c.x, c.y) <= 10.001 for c in cells if c.kind == "dcm"} == {True}
+    assert count(cells, kind="dcm") == 7
+    assert count(scene.sheet(19, radius=5.0, window=18.0), kind="dcm") == 13
+    assert count(scene.sheet(19, radius=5.0, window=20.0), kind="dcm") == 19
+    assert count(scene.sheet(19, radius=5.0, window=0.0), kind="dcm") == 1
+    wide = scene.sheet(cells=7, radius=5.0, gap=0.1, jitter=0.01)
+    assert all(c.z == 5.0 for c in wide) and count(wide, kind="dcm") == 7
+    assert math.hypot(wide[1].x, wide[1].y) == pytest.approx(11.0, abs=0.2)
+
+
 def test_table_round_trip(tmp_path):
     cells, path = scene.duct(), tmp_path / "cells.txt"
     scene.write_table(cells, path, "a command")
@@ -110,6 +127,7 @@ def test_shipped_tables_are_what_their_command_makes(tmp_path):
     ("duct --radius 0", "--radius"), ("duct --radius nan", "--radius"),
     ("duct --endothelium 2", "--endothelium"), ("duct --jitter -1", "--jitter"),
     ("ring --cells 2", "--cells"), ("spheroid --dcm 99", "--dcm"),
+    ("sheet --cells 0", "--cells"), ("sheet --window -1", "--window"),
     ("doublet --distance 2", "overlap"), ("ring -o /nowhere/cells.txt", "/nowhere")])
 def test_bad_options_name_themselves(words, says, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -7,7 +7,9 @@
 __version__ = "0.1.0"
 
 _HOME = {"CellVolume": "analysis", "CellPressure": "analysis", "FaceArea": "analysis",
-         "CellContacts": "analysis", "read_data": "topology", "DumpFile": "reader"}
+         "CellContacts": "analysis", "CellQuality": "analysis", "read_data": "topology",
+         "DumpFile": "reader", "Lineage": "lineage", "read_divisions": "lineage",
+         "read_deaths": "lineage"}
 
 
 def load(data=None, dump=None, dt=1.0, scan="auto", rename=None):
@@ -46,7 +48,7 @@ def load(data=None, dump=None, dt=1.0, scan="auto", rename=None):
 
 
 def __getattr__(name):
-    """Import the analysis classes when first used: MDAnalysis takes seconds to load."""
+    """Import classes and readers when first used: MDAnalysis takes seconds to load."""
     if name in _HOME:
         from importlib import import_module
 

@@ -8,7 +8,10 @@ COMMANDS = {
     "scene": ("scene", "write a cells table for `create_cells table FILE`"),
     "render": ("render", "draw a frame of a dump or a data file into a PNG"),
     "cells": ("table", "volume, area and pressure of every cell and frame as CSV"),
+    "quality": ("quality", "quality of the triangles of every cell as CSV"),
     "log": ("log", "plot the thermo columns of a LAMMPS log"),
+    "lineage": ("lineage", "family trees and cycle times from the logs of divisions and deaths"),
+    "movie": ("movie", "assemble pictures into an animated GIF or an .mp4"),
 }
 
 

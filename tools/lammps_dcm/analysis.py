@@ -1,4 +1,4 @@
-"""Analyses of deformable cells: volume, area, pressure, faces, contacts.
+"""Analyses of deformable cells: volume, area, pressure, faces, mesh quality, contacts.
 
 All are MDAnalysis AnalysisBase classes: build with a Universe of `lammps_dcm.load`, call `run()`
 (start, stop, step, frames as usual), read `results`. Arrays have one row per analysed frame; what
@@ -36,6 +36,14 @@ def triangle_vectors(corners):
 def tetrahedron_volumes(corners):
     """Signed volumes (n,) of tetrahedra from the origin to triangles (n, 3 corners, 3)."""
     return np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
+
+
+def triangle_quality(corners):
+    """4 sqrt(3) A / (sum of squared edges), (n,), of triangles (n, 3 corners, 3): 1 equilateral, 0
+    without area."""
+    area = np.linalg.norm(triangle_vectors(corners), axis=1)
+    squares = ((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=(1, 2))
+    return 4.0 * 3.0**0.5 * area / np.where(squares > 0.0, squares, 1.0)
 
 
 class Mesh:
@@ -235,6 +243,34 @@ class FaceArea(MeshAnalysis):
         at = np.searchsorted(self.cells.faces, mesh.faces)
         self.results.area[self._frame_index, at] = np.linalg.norm(
             triangle_vectors(mesh.corners), axis=1)
+
+
+class CellQuality(MeshAnalysis):
+    """Quality of the triangles of every cell, 4 sqrt(3) A / (sum of squared edges): 1 for an
+    equilateral one, 0 for one without area.
+
+    results.worst, results.median: (frames, cells); results.worst_face: (frames, cells), atom ID of
+    the worst face, 0 where unknown. A cell with missing nodes gets NaN and a warning.
+    """
+
+    def _prepare(self):
+        super()._prepare()
+        self._per_cell("worst", "median")
+        self.results.worst_face = np.zeros((self.n_frames, len(self.cells.ids)), dtype=int)
+
+    def _single_frame(self):
+        mesh = self.mesh()
+        k, n = self._frame_index, len(self.cells.ids)
+        seen = np.bincount(mesh.cell, minlength=n) > 0
+        self.warn_cells(seen & ~mesh.complete, "nodes are missing in the dump: dump all atoms")
+        quality = triangle_quality(mesh.corners)
+        order = np.lexsort((quality, mesh.cell))
+        begin = np.searchsorted(mesh.cell[order], np.arange(n + 1))
+        for cell in np.flatnonzero(mesh.complete):
+            own = order[begin[cell]:begin[cell + 1]]    # the worst first
+            self.results.worst[k, cell] = quality[own[0]]
+            self.results.median[k, cell] = np.median(quality[own])
+            self.results.worst_face[k, cell] = self.universe.atoms.ids[mesh.faces[own[0]]]
 
 
 class CellContacts(MeshAnalysis):

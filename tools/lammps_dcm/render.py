@@ -290,14 +290,24 @@ def bulk_modulus_of(text):
                          "every type of center atom") from None
 
 
-def add_input(parser):
-    """The options that name the files of a run."""
+def chosen_frames(text, count):
+    """Numbers of the frames that --frame `text` means, of `count` frames."""
+    try:
+        return range(count) if text == "all" else [range(count)[int(text)]]
+    except (ValueError, IndexError):
+        raise ValueError(f"--frame {text}: there are {count} frames, give 0 to {count - 1}, "
+                         "a negative number from the end, or all") from None
+
+
+def add_input(parser, pressures=True):
+    """The options that name the files of a run, and with `pressures` that for the modulus."""
     parser.add_argument("dump", nargs="?", help="text dump (dump custom), plain or .gz")
     parser.add_argument("--data", help="data file: faces, radii, rest volumes")
     parser.add_argument("--rename", metavar="COLUMN=NAME,...", help="dump columns to "
                         "rename, such as c_face[2]=contact_area")
-    parser.add_argument("--bulk-modulus", metavar="K_V", help="kPa: one number, or "
-                        "TYPE=NUMBER,... for every atom type of a center; for pressures")
+    if pressures:
+        parser.add_argument("--bulk-modulus", metavar="K_V", help="kPa: one number, or "
+                            "TYPE=NUMBER,... for every atom type of a center; for pressures")
 
 
 def add_arguments(parser):
@@ -326,11 +336,7 @@ def run(args, words):
         raise ValueError("give a dump, --data FILE, or both")
     universe = load(args.data, args.dump, rename=pairs(args.rename, "--rename"))
     count = len(universe.trajectory)
-    try:
-        frames = range(count) if args.frame == "all" else [range(count)[int(args.frame)]]
-    except (ValueError, IndexError):
-        raise ValueError(f"--frame {args.frame}: there are {count} frames, give 0 to {count - 1}, "
-                         "a negative number from the end, or all") from None
+    frames = chosen_frames(args.frame, count)
     output = Path(args.output)
     for frame in tqdm(frames, desc="rendering", disable=None if len(frames) > 1 else True):
         universe.trajectory[frame]

@@ -203,6 +203,31 @@ def spheroid(cells=55, dcm=13, radius=6.0, type="hepatoblast", gap=0.0, jitter=0
     return jittered(made, jitter, seed, planar=False)
 
 
+def sheet(cells=61, window=None, radius=6.0, type="hepatoblast", gap=0.0, jitter=0.0, seed=1):
+    """Monolayer patch on the plane z = 0: hexagonal, centres at z = radius, DCM in the middle.
+
+    The `cells` sites nearest to the z axis; ties are broken by coordinates. Whole hexagons: 1, 7,
+    19, 37, 61. Cells whose centre is within `window` (um) of the axis are DCM, all others CBM; by
+    default the middle cell and its six neighbours. jitter: along x and y.
+    """
+    if cells < 1:
+        raise SceneError(f"--cells is {cells}: a sheet takes at least 1")
+    check_positive(radius=radius)
+    check_gap(gap)
+    spacing = 2.0 * radius * (1.0 + gap)
+    window = 1.01 * spacing if window is None else window
+    if not window >= 0.0:
+        raise SceneError(f"--window is {window:g}: it must be zero (one DCM cell) or positive")
+    half = int(math.ceil(math.sqrt(cells))) + 2
+    i, j = np.array(np.meshgrid(*[np.arange(-half, half + 1)] * 2, indexing="ij")).reshape(2, -1)
+    far = i * i + i * j + j * j    # squared distance in spacings, exact
+    order = np.lexsort((j, i, far))[:cells]
+    made = [Cell(type, "dcm" if spacing * math.sqrt(far[k]) <= window + 1e-9 * radius else "cbm",
+                 float(spacing * (i[k] + 0.5 * j[k])), float(spacing * math.sqrt(0.75) * j[k]),
+                 float(radius), radius) for k in order]
+    return jittered(made, jitter, seed)
+
+
 def doublet(radius=6.0, kind="dcm", type="hepatoblast", distance=None, gap=0.0):
     """Two equal cells on the x axis, mirror images in the plane x = 0.
 
@@ -279,7 +304,8 @@ def read_table(path):
 
 def add_arguments(parser):
     """Add `scene` sub-commands and their options to an argparse parser."""
-    sub = parser.add_subparsers(dest="scene", required=True, metavar="duct|ring|spheroid|doublet")
+    sub = parser.add_subparsers(dest="scene", required=True, metavar="duct|ring|spheroid|"
+                                "sheet|doublet")
     helpers = argparse.ArgumentDefaultsHelpFormatter
 
     def scene_parser(name, build, text):
@@ -321,6 +347,12 @@ def add_arguments(parser):
     p = scene_parser("spheroid", spheroid, "close-packed ball of cells, DCM inside")
     p.add_argument("--cells", type=int, default=55, help="number of cells")
     p.add_argument("--dcm", type=int, default=13, help="how many of them, from inside, are DCM")
+    one_type(p, kind=False)
+    randomness(p)
+    p = scene_parser("sheet", sheet, "hexagonal monolayer patch on the plane z = 0, DCM inside")
+    p.add_argument("--cells", type=int, default=61, help="number of cells")
+    p.add_argument("--window", type=float, help="DCM up to this distance of a centre from the "
+                   "middle, um; None: the middle cell and its neighbours")
     one_type(p, kind=False)
     randomness(p)
     p = scene_parser("doublet", doublet, "two cells side by side")
