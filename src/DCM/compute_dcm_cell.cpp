@@ -12,7 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "comm.h"
+#include "dcm_gather.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
@@ -154,13 +154,7 @@ void ComputeDCMCell::gather_contacts()
     mine.push_back(pair.molecule);
     mine.push_back(pair.other);
   }
-  const int n = (int) mine.size();
-  std::vector<int> counts(comm->nprocs), offsets(comm->nprocs, 0);
-  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 1; p < comm->nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
-  std::vector<tagint> all(offsets.back() + counts.back());
-  MPI_Allgatherv(mine.data(), n, MPI_LMP_TAGINT, all.data(), counts.data(), offsets.data(),
-                 MPI_LMP_TAGINT, world);
+  const auto all = dcm_allgather(mine, world);
 
   in_contact.clear();
   for (size_t m = 0; m < all.size(); m += 2) {

@@ -14,7 +14,6 @@
 #include "atom_vec.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
-#include "dcm_hinge.h"
 #include "dcm_mesh_io.h"
 #include "dcm_random.h"
 #include "dcm_text.h"
@@ -267,12 +266,8 @@ DCMBuilder::Deformable CreateCells::shape(const Request &request, tagint molecul
   DCMBuilder::Deformable cell;
   cell.molecule = molecule;
   cell.volume0 = std::pow(request.radius, 3) * dcm::volume(top.mesh);
-  const auto &x = cell.x;
   for (const auto &node : top.mesh.nodes)
     cell.x.push_back(request.x + request.radius * (rotation * node));
-  for (const auto &n : top.hinges) {
-    cell.l0.push_back(rest * (x[n[2]] - x[n[1]]).norm());
-    cell.theta0.push_back(dcm::hinge_angle(x[n[0]], x[n[1]], x[n[2]], x[n[3]]));
-  }
+  DCMBuilder::set_round_rest(top, rest, cell);
   return cell;
 }

@@ -14,6 +14,7 @@
 #include "atom_vec.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_hinge.h"
 #include "domain.h"
 #include "error.h"
 
@@ -60,6 +61,20 @@ DCMBuilder::Topology DCMBuilder::prepare(dcm::Mesh mesh, bool equal_volume) cons
     top.slots = std::max(top.slots, ++stored[hinge[top.owner.back()]]);
   }
   return top;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void DCMBuilder::set_round_rest(const Topology &top, double rest, Deformable &cell)
+{
+  const auto &x = top.mesh.nodes;
+  const double size = std::cbrt(cell.volume0 / dcm::volume(top.mesh));
+  cell.l0.clear();
+  cell.theta0.clear();
+  for (const auto &n : top.hinges) {
+    cell.l0.push_back(rest * size * (x[n[2]] - x[n[1]]).norm());
+    cell.theta0.push_back(dcm::hinge_angle(x[n[0]], x[n[1]], x[n[2]], x[n[3]]));
+  }
 }
 
 /* ----------------------------------------------------------------------

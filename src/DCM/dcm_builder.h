@@ -72,6 +72,9 @@ class DCMBuilder : protected Pointers {
   // center and scale the mesh, find its hinges; error on a mesh that cannot be a cell's surface
   Topology prepare(dcm::Mesh mesh, bool equal_volume) const;
 
+  // rest lengths and angles of a round cell of rest volume cell.volume0; rest: factor on lengths
+  static void set_round_rest(const Topology &, double rest, Deformable &cell);
+
   // bond and dihedral slots for `slots` edges per node; made here as long as no atoms exist
   void reserve_slots(int slots);
 

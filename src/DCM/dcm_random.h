@@ -24,7 +24,9 @@ enum class RandomPurpose : std::uint32_t {
   CYCLE = 3,
   TRACER = 4,
   SHAPE = 5,
-  QUIESCENCE = 6
+  QUIESCENCE = 6,
+  DEATH = 7,
+  CONVERSION = 8
 };
 
 /// One block of Philox4x32 with 10 rounds: four random words from a counter and a key.

@@ -14,6 +14,7 @@
 #include "atom_vec.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_gather.h"
 #include "domain.h"
 #include "error.h"
 #include "fix.h"
@@ -42,22 +43,6 @@ struct Edge {
   int bond, dihedral;
   double l0;
 };
-
-// concatenation of all ranks' items
-
-template <class Item> std::vector<Item> gather_all(const std::vector<Item> &mine, MPI_Comm world)
-{
-  int nprocs;
-  MPI_Comm_size(world, &nprocs);
-  const int nbytes = (int) (mine.size() * sizeof(Item));
-  std::vector<int> counts(nprocs), offsets(nprocs, 0);
-  MPI_Allgather(&nbytes, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 1; p < nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
-  std::vector<Item> all((offsets.back() + counts.back()) / sizeof(Item));
-  MPI_Allgatherv(mine.data(), nbytes, MPI_BYTE, all.data(), counts.data(), offsets.data(), MPI_BYTE,
-                 world);
-  return all;
-}
 
 bool holds(const std::vector<tagint> &sorted, tagint value)
 {
@@ -106,8 +91,8 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
                           dihedral, dcm->l0[i][m]});
     }
   }
-  auto parts = gather_all(mine, world);
-  auto edges = gather_all(my_edges, world);
+  auto parts = dcm_allgather(mine, world);
+  auto edges = dcm_allgather(my_edges, world);
   std::sort(parts.begin(), parts.end(), [](const Part &a, const Part &b) {
     return a.molecule != b.molecule ? a.molecule < b.molecule : a.tag < b.tag;
   });
@@ -215,7 +200,7 @@ tagint DCMSurgery::free_tags(tagint n)
 {
   if (!have_used) {
     const std::vector<tagint> mine(atom->tag, atom->tag + atom->nlocal);
-    used = gather_all(mine, world);
+    used = dcm_allgather(mine, world);
     std::sort(used.begin(), used.end());
     have_used = true;
   }

@@ -15,6 +15,7 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "dcm_curvature.h"
+#include "dcm_gather.h"
 #include "dcm_volume.h"
 #include "domain.h"
 #include "error.h"
@@ -118,7 +119,7 @@ void FixDCMCell::gather_cells()
     int type, mask;
     double volume0, x[3];
   };
-  std::vector<Entry> mine, all;
+  std::vector<Entry> mine;
   for (int i = 0; i < atom->nlocal; i++) {
     if (dcm->kind[i] != AtomVecDCM::CENTER) continue;
     const double *x = atom->x[i];
@@ -129,13 +130,7 @@ void FixDCMCell::gather_cells()
                     dcm->volume0[i],
                     {x[0], x[1], x[2]}});
   }
-  const int nbytes = (int) (mine.size() * sizeof(Entry));
-  std::vector<int> counts(comm->nprocs), offsets(comm->nprocs, 0);
-  MPI_Allgather(&nbytes, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 1; p < comm->nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
-  all.resize((offsets.back() + counts.back()) / sizeof(Entry));
-  MPI_Allgatherv(mine.data(), nbytes, MPI_BYTE, all.data(), counts.data(), offsets.data(), MPI_BYTE,
-                 world);
+  auto all = dcm_allgather(mine, world);
   std::sort(all.begin(), all.end(), [](const Entry &a, const Entry &b) {
     return a.molecule < b.molecule;
   });

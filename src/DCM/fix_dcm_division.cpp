@@ -10,10 +10,9 @@
 
 #include "fix_dcm_division.h"
 
-#include "atom.h"
-#include "atom_vec_dcm.h"
 #include "bond_dcm_cortex.h"
 #include "comm.h"
+#include "dcm_gather.h"
 #include "dcm_parameters.h"
 #include "dcm_random.h"
 #include "dihedral_dcm_bend.h"
@@ -22,12 +21,10 @@
 #include "fix_dcm_growth.h"
 #include "fix_dcm_volume.h"
 #include "force.h"
-#include "input.h"
 #include "modify.h"
 #include "pair_dcm_contact.h"
 #include "platform.h"
 #include "update.h"
-#include "variable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,6 +36,10 @@ using namespace FixConst;
 using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/division";
+
+// softening begins with this factor on modulus and adhesion
+
+static constexpr double SOFTEST = 1.0e-3;
 
 static double sphere_volume(double radius)
 {
@@ -115,13 +116,7 @@ void FixDCMDivision::parse(int narg, char **arg)
         given.normalize();
       } else if (mode == "variable") {
         plane_mode = VARIABLE;
-        for (auto &name : variable_name) {
-          name = next(key);
-          if (name.compare(0, 2, "v_") != 0)
-            error->all(FLERR, "{}: plane variable needs three atom-style variables v_NAME, not {}",
-                       STYLE, name);
-          name = name.substr(2);
-        }
+        for (auto &name : variable_name) name = dcm_variable_name(lmp, STYLE, next(key));
       } else {
         error->all(FLERR,
                    "{}: unknown plane {}; use random, long, given x y z or variable v_x "
@@ -160,12 +155,8 @@ void FixDCMDivision::init()
   if (!modify->get_fix_by_style("^dcm/cell$").empty()) cell = FixDCMCell::require(lmp, STYLE);
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
 
-  for (const auto &name : variable_name) {
-    if (plane_mode != VARIABLE) break;
-    const int ivar = input->variable->find(name.c_str());
-    if (ivar < 0 || !input->variable->atomstyle(ivar))
-      error->all(FLERR, "{}: plane: there is no atom-style variable {}", STYLE, name);
-  }
+  if (plane_mode == VARIABLE)
+    for (const auto &name : variable_name) dcm_check_variable(lmp, STYLE, name);
   DCMSurgery::check_order(lmp, this, STYLE);
 
   const auto deformable =
@@ -184,6 +175,7 @@ void FixDCMDivision::init()
     DCMSurgery surgery(lmp, STYLE);
     surgery.builder.reserve_slots(round_mesh(surgery, 42).slots);
   }
+  if (!sisters.empty()) hold_back_sisters();
   next_reneighbor = -1;
   seconds = 0.0;
 }
@@ -195,7 +187,6 @@ void FixDCMDivision::init()
 
 void FixDCMDivision::setup(int /*vflag*/)
 {
-  hold_back_sisters();
   if (log_name.empty() || log || comm->me != 0) return;
   log = fopen(log_name.c_str(), continued ? "a" : "w");
   if (!log) error->one(FLERR, "{}: cannot open log {}: {}", STYLE, log_name, utils::getsyserror());
@@ -228,24 +219,11 @@ void FixDCMDivision::initial_integrate(int /*vflag*/)
 
 void FixDCMDivision::evaluate_variables()
 {
-  const auto *const kind = AtomVecDCM::require(lmp, STYLE)->kind;
-  std::vector<double> axes(3 * ready.size(), 0.0), values(atom->nlocal);
-  modify->clearstep_compute();
-  for (int k = 0; k < 3; k++) {
-    const int ivar = input->variable->find(variable_name[k].c_str());
-    input->variable->compute_atom(ivar, 0, values.data(), 1, 0);
-    for (int i = 0; i < atom->nlocal; i++) {
-      if (kind[i] != AtomVecDCM::CENTER && kind[i] != AtomVecDCM::SPHERE) continue;
-      const auto found = std::lower_bound(ready.begin(), ready.end(), atom->molecule[i]);
-      if (found != ready.end() && *found == atom->molecule[i])
-        axes[3 * (found - ready.begin()) + k] = values[i];
-    }
-  }
-  modify->addstep_compute(update->ntimestep + 1);
-  MPI_Allreduce(MPI_IN_PLACE, axes.data(), (int) axes.size(), MPI_DOUBLE, MPI_SUM, world);
+  std::vector<double> value[3];
+  for (int k = 0; k < 3; k++) value[k] = dcm_cell_variable(lmp, variable_name[k], ready);
   variable_axis.clear();
   for (size_t n = 0; n < ready.size(); n++) {
-    const Vec3 axis(axes[3 * n], axes[3 * n + 1], axes[3 * n + 2]);
+    const Vec3 axis(value[0][n], value[1][n], value[2][n]);
     if (!(axis.norm() > 0.0) || !axis.allFinite())
       error->all(FLERR,
                  "{}: plane variable gives cell {} the axis {} {} {} at step {}; it needs "
@@ -281,7 +259,7 @@ void FixDCMDivision::pre_exchange()
   }
   surgery.end();
   ready.clear();
-  hold_back_sisters();
+  if (!sisters.empty()) hold_back_sisters();
   seconds += platform::walltime() - start;
 }
 
@@ -425,12 +403,7 @@ void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
   daughter.volume0 = 0.5 * job.mother.volume0;
   for (int k = 0; k < 3; k++) daughter.v[k] = job.mother.v[k];
 
-  const auto &x = top.mesh.nodes;
-  const double size = std::cbrt(daughter.volume0 / dcm::volume(top.mesh));
-  for (const auto &n : top.hinges) {
-    daughter.l0.push_back(job.rest * size * (x[n[2]] - x[n[1]]).norm());
-    daughter.theta0.push_back(dcm::hinge_angle(x[n[0]], x[n[1]], x[n[2]], x[n[3]]));
-  }
+  DCMBuilder::set_round_rest(top, job.rest, daughter);
 
   tagint molecule[2];
   for (int side = 0; side < 2; side++) {
@@ -478,7 +451,36 @@ void FixDCMDivision::insert_spheres(DCMSurgery &surgery, const DCMSurgery::Cell 
    truncated one
 ------------------------------------------------------------------------- */
 
-void FixDCMDivision::hold_back_sisters() {}
+void FixDCMDivision::hold_back_sisters()
+{
+  if (!contact) {
+    sisters.clear();
+    return;
+  }
+  const auto forces = contact->sister_forces();
+  const auto &listed = contact->sisters();
+  const double now = growth->time();
+  auto relaxed = [&](const Pair &it) {
+    if (!growth->find(it.molecule) || !growth->find(it.other)) return true;
+    if (sphere_mode == SOFTEN) return now - it.since >= sphere_value;
+    for (size_t n = 0; n < listed.size(); n++)
+      if (listed[n].molecule == it.molecule && listed[n].other == it.other)
+        return forces[n] < sphere_value;
+    return false;
+  };
+  sisters.erase(std::remove_if(sisters.begin(), sisters.end(), relaxed), sisters.end());
+
+  std::vector<PairDCMContact::Sisters> list;
+  for (const auto &it : sisters) {
+    PairDCMContact::Sisters pair = {};
+    pair.molecule = it.molecule;
+    pair.other = it.other;
+    pair.most = sphere_mode == TRUNCATE ? sphere_value : 0.0;
+    pair.scale = sphere_mode == SOFTEN ? std::max(SOFTEST, (now - it.since) / sphere_value) : 1.0;
+    list.push_back(pair);
+  }
+  contact->set_sisters(list);
+}
 
 /* ---------------------------------------------------------------------- */
 

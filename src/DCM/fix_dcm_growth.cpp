@@ -13,6 +13,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_gather.h"
 #include "dcm_parameters.h"
 #include "dcm_volume.h"
 #include "error.h"
@@ -205,35 +206,9 @@ void FixDCMGrowth::init()
 
 void FixDCMGrowth::enroll()
 {
-  struct Found {
-    tagint molecule;
-    int type, deformable;
-    double volume0;
-  };
-  std::vector<Found> mine;
-  for (int i = 0; i < atom->nlocal; i++) {
-    const int kind = dcm->kind[i];
-    if ((kind != AtomVecDCM::CENTER && kind != AtomVecDCM::SPHERE) || !(atom->mask[i] & groupbit))
-      continue;
-    const double r = atom->radius[i];
-    const bool deformable = kind == AtomVecDCM::CENTER;
-    mine.push_back({atom->molecule[i], atom->type[i], deformable,
-                    deformable ? dcm->volume0[i] : 4.0 / 3.0 * dcm::PI * r * r * r});
-  }
-  const int nbytes = (int) (mine.size() * sizeof(Found));
-  std::vector<int> counts(comm->nprocs), offsets(comm->nprocs, 0);
-  MPI_Allgather(&nbytes, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 1; p < comm->nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
-  std::vector<Found> all((offsets.back() + counts.back()) / sizeof(Found));
-  MPI_Allgatherv(mine.data(), nbytes, MPI_BYTE, all.data(), counts.data(), offsets.data(), MPI_BYTE,
-                 world);
-  std::sort(all.begin(), all.end(), [](const Found &a, const Found &b) {
-    return a.molecule < b.molecule;
-  });
-
   std::vector<Entry> now;
-  for (const auto &it : all) {
-    if (!parameters->used(it.type)) continue;
+  for (const auto &it : dcm_cell_atoms(lmp)) {
+    if (!(it.mask & groupbit) || !parameters->used(it.type)) continue;
     if (it.molecule <= 0 || (!now.empty() && now.back().molecule == it.molecule))
       error->all(FLERR,
                  "{}: two cells have molecule ID {}; every cell needs a positive one of "

@@ -1,0 +1,90 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "dcm_gather.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "dcm_vector.h"
+#include "error.h"
+#include "input.h"
+#include "modify.h"
+#include "update.h"
+#include "variable.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+/* ---------------------------------------------------------------------- */
+
+std::vector<DCMCellAtom> LAMMPS_NS::dcm_cell_atoms(LAMMPS *lmp)
+{
+  const Atom *const atom = lmp->atom;
+  const DCMAtoms *const dcm = AtomVecDCM::require(lmp, "The table of cells");
+  std::vector<DCMCellAtom> mine;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const int kind = dcm->kind[i];
+    if (kind != AtomVecDCM::CENTER && kind != AtomVecDCM::SPHERE) continue;
+    const double *const x = atom->x[i], r = atom->radius[i];
+    const bool deformable = kind == AtomVecDCM::CENTER;
+    mine.push_back({atom->molecule[i],
+                    atom->type[i],
+                    atom->mask[i],
+                    deformable,
+                    deformable ? dcm->volume0[i] : 4.0 / 3.0 * dcm::PI * r * r * r,
+                    {x[0], x[1], x[2]}});
+  }
+  auto all = dcm_allgather(mine, lmp->world);
+  std::sort(all.begin(), all.end(), [](const DCMCellAtom &a, const DCMCellAtom &b) {
+    return a.molecule < b.molecule;
+  });
+  return all;
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::vector<double> LAMMPS_NS::dcm_cell_variable(LAMMPS *lmp, const std::string &name,
+                                                 const std::vector<tagint> &molecules)
+{
+  const Atom *const atom = lmp->atom;
+  const int *const kind = AtomVecDCM::require(lmp, "The table of cells")->kind;
+  std::vector<double> values(molecules.size(), 0.0), per_atom(std::max(1, atom->nlocal));
+
+  lmp->modify->clearstep_compute();
+  lmp->input->variable->compute_atom(lmp->input->variable->find(name.c_str()), 0, per_atom.data(),
+                                     1, 0);
+  lmp->modify->addstep_compute(lmp->update->ntimestep + 1);
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (kind[i] != AtomVecDCM::CENTER && kind[i] != AtomVecDCM::SPHERE) continue;
+    const auto found = std::lower_bound(molecules.begin(), molecules.end(), atom->molecule[i]);
+    if (found != molecules.end() && *found == atom->molecule[i])
+      values[found - molecules.begin()] = per_atom[i];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), (int) values.size(), MPI_DOUBLE, MPI_SUM, lmp->world);
+  return values;
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::string LAMMPS_NS::dcm_variable_name(LAMMPS *lmp, const std::string &asking,
+                                         const std::string &text)
+{
+  if (text.compare(0, 2, "v_") != 0)
+    lmp->error->all(FLERR, "{}: expected an atom-style variable v_NAME, not {}", asking, text);
+  return text.substr(2);
+}
+
+void LAMMPS_NS::dcm_check_variable(LAMMPS *lmp, const std::string &asking, const std::string &name)
+{
+  const int ivar = lmp->input->variable->find(name.c_str());
+  if (ivar < 0 || !lmp->input->variable->atomstyle(ivar))
+    lmp->error->all(FLERR, "{}: there is no atom-style variable {}", asking, name);
+}

@@ -1,0 +1,328 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "fix_dcm_convert.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "dcm_compat.h"
+#include "dcm_gather.h"
+#include "dcm_parameters.h"
+#include "dcm_random.h"
+#include "dcm_shape.h"
+#include "domain.h"
+#include "error.h"
+#include "fix_dcm_growth.h"
+#include "group.h"
+#include "modify.h"
+#include "region.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using dcm::Vec3;
+
+static const char STYLE[] = "Fix dcm/convert";
+
+enum { STAY, TO_DEFORMABLE, TO_SPHERE };
+
+static double radius_of(double volume)
+{
+  return std::cbrt(0.75 * volume / dcm::PI);
+}
+
+/* ----------------------------------------------------------------------
+   fix ID group dcm/convert dcm Tcenter Tnode Tface Tbond Tdihedral cbm Tsphere
+       region IN OUT | near GROUP d1 d2 | variable v_name
+       [mesh icosphere level] [rest factor] [every N] [seed S]
+------------------------------------------------------------------------- */
+
+FixDCMConvert::FixDCMConvert(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), growth(nullptr), level(2), rest(1.0), region{nullptr, nullptr},
+    near_bit(0), near{0.0, 0.0}, seed(1), counts{0, 0}
+{
+  FixDCMGrowth::require(lmp, STYLE);
+  nevery = 100;
+  parse(narg - 3, arg + 3);
+  if (sphere.center == 0 || deformable.center == 0)
+    error->all(FLERR,
+               "{}: give the types of both forms: dcm Tcenter Tnode Tface Tbond Tdihedral "
+               "cbm Tsphere",
+               STYLE);
+  const int nrules = !region_id[0].empty() + !variable.empty() + !group_id.empty();
+  if (nrules != 1)
+    error->all(FLERR, "{}: give one rule, region, near or variable, not {}", STYLE, nrules);
+  top = DCMBuilder(lmp, STYLE, false).prepare(dcm::icosphere(level), true);
+
+  vector_flag = 1;
+  size_vector = 2;
+  extvector = 0;
+  global_freq = 1;
+  restart_global = 1;
+  force_reneighbor = 1;
+  next_reneighbor = -1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMConvert::parse(int narg, char **arg)
+{
+  const DCMParameters parameters(lmp, STYLE);
+  int iarg = 0;
+  auto need = [&](const std::string &key, int n) {
+    if (iarg + n >= narg)
+      error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, n, n > 1 ? "s" : "");
+    char **const values = arg + iarg + 1;
+    iarg += 1 + n;
+    return values;
+  };
+  auto whole = [&](const std::string &key, const char *text, int most) {
+    const double value = parameters.number(key.c_str(), text, DCMParameters::POSITIVE);
+    if (value != std::floor(value) || value > most)
+      error->all(FLERR, "{}: {} is {}, must be a whole number of 1 to {}", STYLE, key, text, most);
+    return (int) value;
+  };
+  while (iarg < narg) {
+    const std::string key = arg[iarg];
+    if (key == "dcm") {
+      char **const v = need(key, 5);
+      deformable = {whole(key, v[0], atom->ntypes), whole(key, v[1], atom->ntypes),
+                    whole(key, v[2], atom->ntypes), whole(key, v[3], atom->nbondtypes),
+                    whole(key, v[4], atom->ndihedraltypes)};
+    } else if (key == "cbm") {
+      sphere.center = whole(key, need(key, 1)[0], atom->ntypes);
+    } else if (key == "region") {
+      char **const v = need(key, 2);
+      region_id[0] = v[0];
+      region_id[1] = v[1];
+    } else if (key == "near") {
+      char **const v = need(key, 3);
+      group_id = v[0];
+      for (int k = 0; k < 2; k++)
+        near[k] = parameters.number("near", v[1 + k], DCMParameters::POSITIVE);
+      if (near[1] < near[0])
+        error->all(FLERR, "{}: near: the second distance, {}, is below the first, {}", STYLE, v[2],
+                   v[1]);
+    } else if (key == "variable") {
+      variable = dcm_variable_name(lmp, STYLE, need(key, 1)[0]);
+    } else if (key == "mesh") {
+      char **const v = need(key, 2);
+      if (strcmp(v[0], "icosphere") != 0)
+        error->all(FLERR, "{}: mesh must be icosphere LEVEL, not {}", STYLE, v[0]);
+      level = whole(key, v[1], 5);
+    } else if (key == "rest") {
+      rest = parameters.number("rest", need(key, 1)[0], DCMParameters::POSITIVE);
+    } else if (key == "every") {
+      nevery = whole(key, need(key, 1)[0], MAXSMALLINT);
+    } else if (key == "seed") {
+      seed = whole(key, need(key, 1)[0], MAXSMALLINT);
+    } else {
+      error->all(FLERR,
+                 "{}: unknown keyword {}; known: dcm cbm region near variable mesh rest "
+                 "every seed",
+                 STYLE, key);
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixDCMConvert::setmask()
+{
+  return INITIAL_INTEGRATE | PRE_EXCHANGE;
+}
+
+void FixDCMConvert::init()
+{
+  growth = FixDCMGrowth::require(lmp, STYLE);
+  for (int k = 0; k < 2; k++) {
+    if (region_id[k].empty()) continue;
+    region[k] = domain->get_region_by_id(region_id[k]);
+    if (!region[k]) error->all(FLERR, "{}: there is no region {}", STYLE, region_id[k]);
+    region[k]->init();
+  }
+  if (!variable.empty()) dcm_check_variable(lmp, STYLE, variable);
+  if (!group_id.empty()) {
+    const int igroup2 = group->find(group_id);
+    if (igroup2 < 0) error->all(FLERR, "{}: there is no group {}", STYLE, group_id);
+    near_bit = group->bitmask[igroup2];
+  }
+  if (modify->get_fix_by_style("^dcm/cell$").empty())
+    error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck", STYLE);
+  DCMSurgery::check_order(lmp, this, STYLE);
+  DCMBuilder(lmp, STYLE, false).reserve_slots(top.slots);
+  next_reneighbor = -1;
+}
+
+/* ----------------------------------------------------------------------
+   what the rule asks of every cell
+------------------------------------------------------------------------- */
+
+std::vector<int> FixDCMConvert::wanted(const std::vector<DCMCellAtom> &cells)
+{
+  std::vector<int> change(cells.size(), STAY);
+  for (auto *it : region)
+    if (it) it->prematch();
+  std::vector<double> value;
+  if (!variable.empty()) {
+    std::vector<tagint> molecules;
+    for (const auto &it : cells) molecules.push_back(it.molecule);
+    value = dcm_cell_variable(lmp, variable, molecules);
+  }
+  for (size_t n = 0; n < cells.size(); n++) {
+    const auto &it = cells[n];
+    if (!(it.mask & groupbit)) continue;
+    if (it.type != (it.deformable ? deformable.center : sphere.center)) continue;
+    bool in = false, out = false;
+    if (region[0]) {
+      in = region[0]->match(it.x[0], it.x[1], it.x[2]);
+      out = !region[1]->match(it.x[0], it.x[1], it.x[2]);
+    } else if (!variable.empty()) {
+      in = value[n] > 0.0;
+      out = value[n] < 0.0;
+    } else {
+      out = true;
+      for (const auto &other : cells) {
+        if (!(other.mask & near_bit)) continue;
+        double d[3];
+        for (int k = 0; k < 3; k++) d[k] = other.x[k] - it.x[k];
+        dcm_minimum_image(domain, d[0], d[1], d[2]);
+        const double distance = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        in = in || distance < near[0];
+        out = out && distance > near[1];
+      }
+    }
+    if (in && !it.deformable) change[n] = TO_DEFORMABLE;
+    if (out && it.deformable) change[n] = TO_SPHERE;
+  }
+  return change;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMConvert::initial_integrate(int /*vflag*/)
+{
+  changing.clear();
+  if (update->ntimestep % nevery) return;
+  const auto cells = dcm_cell_atoms(lmp);
+  const auto change = wanted(cells);
+  for (size_t n = 0; n < cells.size(); n++) {
+    const auto *const entry = growth->find(cells[n].molecule);
+    if (change[n] == STAY || !entry) continue;
+    // who is about to divide does so as it is; its daughters can change
+    if (entry->phase == FixDCMGrowth::ROUNDING || entry->phase == FixDCMGrowth::READY) continue;
+    changing.push_back(cells[n].molecule);
+  }
+  if (!changing.empty()) next_reneighbor = update->ntimestep;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMConvert::pre_exchange()
+{
+  if (changing.empty() || next_reneighbor != update->ntimestep) return;
+  changing.erase(std::remove_if(changing.begin(), changing.end(),
+                                [this](tagint molecule) {
+                                  return !growth->find(molecule);
+                                }),
+                 changing.end());
+  const auto all = dcm_cell_atoms(lmp);
+  DCMSurgery surgery(lmp, STYLE);
+  const auto cells = surgery.gather(changing);
+  surgery.begin();
+  surgery.remove(changing);
+  for (const auto &it : cells) {
+    if (it.mesh.nodes.empty())
+      to_deformable(surgery, it, all);
+    else
+      to_sphere(surgery, it);
+  }
+  surgery.end();
+  changing.clear();
+}
+
+void FixDCMConvert::to_sphere(DCMSurgery &surgery, const DCMSurgery::Cell &cell)
+{
+  const double volume = dcm::volume(cell.mesh);
+  DCMBuilder::Sphere to;
+  to.molecule = cell.molecule;
+  to.mask = cell.mask;
+  to.radius = radius_of(volume);
+  to.x = cell.x;
+  for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
+  surgery.insert(sphere, to);
+  growth->convert(cell.molecule, sphere.center, false, volume, cell.volume0 / volume);
+  counts[1]++;
+}
+
+/* ----------------------------------------------------------------------
+   the rest volume is that for the pressure the cell had when it was last deformable
+------------------------------------------------------------------------- */
+
+void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &cell,
+                                  const std::vector<DCMCellAtom> &all)
+{
+  std::vector<dcm::Ball> neighbors;
+  for (const auto &other : all) {
+    if (other.molecule == cell.molecule) continue;
+    double d[3];
+    for (int k = 0; k < 3; k++) d[k] = other.x[k] - cell.x[k];
+    dcm_minimum_image(domain, d[0], d[1], d[2]);
+    neighbors.push_back({cell.x + Vec3(d[0], d[1], d[2]), radius_of(other.volume0)});
+  }
+  const double volume = 4.0 / 3.0 * dcm::PI * std::pow(cell.radius, 3);
+  const double ratio = growth->find(cell.molecule)->ratio;
+
+  dcm::Random random(seed, cell.molecule, update->ntimestep, dcm::RandomPurpose::CONVERSION);
+  const Vec3 axis = random.gaussian_vector();
+  const Eigen::Quaterniond rotation =
+      Eigen::Quaterniond(random.gaussian(), axis[0], axis[1], axis[2]).normalized();
+  dcm::Mesh round = top.mesh;
+  for (Vec3 &x : round.nodes) x = rotation * x;
+
+  DCMBuilder::Deformable to;
+  to.molecule = cell.molecule;
+  to.mask = cell.mask;
+  to.volume0 = ratio * volume;
+  for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
+  to.x = dcm::fit_between({cell.x, cell.radius}, volume, neighbors, round);
+  DCMBuilder::set_round_rest(top, rest, to);
+  surgery.insert(deformable, top, to);
+  growth->convert(cell.molecule, deformable.center, true, to.volume0, 1.0);
+  counts[0]++;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMConvert::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  const int size = sizeof(counts);
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(counts, sizeof(bigint), 2, fp);
+}
+
+void FixDCMConvert::restart(char *buf)
+{
+  memcpy(counts, buf, sizeof(counts));
+}
+
+/* ----------------------------------------------------------------------
+   conversions to deformable and to center-based cells so far
+------------------------------------------------------------------------- */
+
+double FixDCMConvert::compute_vector(int i)
+{
+  return (double) counts[i];
+}

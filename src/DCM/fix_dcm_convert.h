@@ -1,0 +1,68 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(dcm/convert,FixDCMConvert);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DCM_CONVERT_H
+#define LMP_FIX_DCM_CONVERT_H
+
+#include "dcm_surgery.h"
+#include "fix.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Turns center-based cells into deformable ones where the deck's rule asks for their shape, and
+// back where it does not. Volume and center stay, and the cell keeps its molecule ID, its place in
+// the cycle and its lineage.
+
+class FixDCMConvert : public Fix {
+ public:
+  FixDCMConvert(class LAMMPS *, int, char **);
+  int setmask() override;
+  void init() override;
+  void initial_integrate(int) override;
+  void pre_exchange() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+  double compute_vector(int) override;
+
+ private:
+  class FixDCMGrowth *growth;
+  DCMBuilder::Types deformable, sphere;
+  int level;
+  double rest;    // rest length over edge of the round cell
+  std::string region_id[2], variable, group_id;
+  class Region *region[2];    // cells in the first become deformable, those out of the second not
+  int near_bit;               // cells near a cell of this group become deformable
+  double near[2];             // closer than, farther than
+  std::uint64_t seed;
+  DCMBuilder::Topology top;
+  std::vector<tagint> changing;
+  bigint counts[2];    // to deformable, to center-based
+
+  void parse(int, char **);
+  std::vector<int> wanted(const std::vector<struct DCMCellAtom> &);
+  void to_sphere(DCMSurgery &, const DCMSurgery::Cell &);
+  void to_deformable(DCMSurgery &, const DCMSurgery::Cell &,
+                     const std::vector<struct DCMCellAtom> &);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

@@ -1,0 +1,68 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(dcm/death,FixDCMDeath);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DCM_DEATH_H
+#define LMP_FIX_DCM_DEATH_H
+
+#include "fix.h"
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Takes away the cells of its group that meet all given criteria, at once or after they have
+// shrunk to nothing.
+
+class FixDCMDeath : public Fix {
+ public:
+  FixDCMDeath(class LAMMPS *, int, char **);
+  ~FixDCMDeath() override;
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void initial_integrate(int) override;
+  void pre_exchange() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+  double compute_scalar() override;
+
+ private:
+  class FixDCMGrowth *growth;
+  std::string region_id, variable;
+  class Region *region;
+  double age;       // < 0: not asked
+  double rate;      // deaths per cell and time, < 0: not asked
+  double shrink;    // time of shrinking, 0: at once
+  bool always;      // criterion `all`
+  std::uint64_t seed;
+  std::string log_name;
+  FILE *log;
+  bool continued;
+  bigint removed;
+  std::vector<tagint> gone;      // to take away in this step
+  std::set<tagint> shrinking;    // cells that this fix made shrink
+
+  std::vector<tagint> condemned();
+  const char *reason() const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
