@@ -93,6 +93,7 @@ class PairDCMContact : public Pair {
 
  private:
   enum Law { DMT, MAUGIS };
+  static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;    // of a radius, in a run
   enum CommMode { SUMS, NEIGHBORS, MODULUS };
 
   // settings; what is derived from the mesh is derived once and kept, also over restarts, so that
@@ -184,6 +185,7 @@ class PairDCMContact : public Pair {
   void merge_partners();
   void check_start();
   void check_law(double);
+  static double round_up(double);
   [[noreturn]] void fail_pair(int, int, double, double, double);
 };
 

@@ -8,7 +8,7 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-// pair style dcm/contact: settings, types, neighbor list and ghost cutoff, checks at the start
+// pair style dcm/contact: settings, types and their parameters, lengths, restart files
 
 #include "pair_dcm_contact.h"
 
@@ -23,7 +23,6 @@
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
-#include "neigh_request.h"
 #include "neighbor.h"
 #include "utils.h"
 
@@ -35,10 +34,6 @@ using namespace LAMMPS_NS;
 
 static const std::string STYLE = "Pair style dcm/contact";
 static constexpr int NREGION = AtomVecDCM::NREGION;
-
-// a face may grow by this factor within a run, a sphere only if something makes cells grow
-
-static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
 
 // in mean edge lengths: `h0 auto`, the limit of a resolved h0, default range (see the doc page)
 
@@ -258,7 +253,7 @@ void PairDCMContact::scan_types()
    runs. Rounded, so that they do not depend on the number of ranks.
 ------------------------------------------------------------------------- */
 
-static double round_up(double value)
+double PairDCMContact::round_up(double value)
 {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
   return std::ceil(value / unit - 1.0e-6) * unit;
@@ -362,98 +357,60 @@ void PairDCMContact::read_types()
 }
 
 /* ----------------------------------------------------------------------
-   keep what never touches out of the neighbor list
+   restart files keep the settings and the lengths derived from the mesh;
+   cell types come again from pair_coeff
 ------------------------------------------------------------------------- */
 
-void PairDCMContact::exclude_types()
+void PairDCMContact::write_restart(FILE *fp)
 {
-  const bool tracers = !modify->get_fix_by_style("^dcm/tracer").empty();
-  auto meets = [&](const TypeInfo &a, const TypeInfo &b) {
-    if (a.active && b.active) return true;
-    if (!tracers) return false;
-    return (a.kind == AtomVecDCM::TRACER && (b.kind == AtomVecDCM::FACE || b.kind == 0)) ||
-           (b.kind == AtomVecDCM::TRACER && (a.kind == AtomVecDCM::FACE || a.kind == 0));
-  };
-
-  std::vector<std::pair<int, int>> now;
-  for (int n = 0; n < neighbor->nex_type; n++)
-    now.emplace_back(std::minmax(neighbor->ex1_type[n], neighbor->ex2_type[n]));
-  for (int s = 1; s <= atom->ntypes; s++)
-    for (int t = s; t <= atom->ntypes; t++) {
-      const bool excluded = std::find(now.begin(), now.end(), std::make_pair(s, t)) != now.end();
-      const bool wanted = meets(types[s], types[t]);
-      if (excluded && wanted)
-        error->all(FLERR,
-                   "{}: types {} and {} are to interact but excluded from the neighbor list; add "
-                   "'neigh_modify exclude none' before the run",
-                   STYLE, s, t);
-      if (!excluded && !wanted) neighbor->modify_params(fmt::format("exclude type {} {}", s, t));
-    }
-
-  bool molecules = false;
-  for (int n = 0; n < neighbor->nex_mol; n++)
-    if (neighbor->ex_mol_group[n] == 0 && neighbor->ex_mol_intra[n]) molecules = true;
-  if (!molecules && have_faces) neighbor->modify_params("exclude molecule/intra all");
+  fwrite(&set, sizeof(Settings), 1, fp);
+  fwrite(&h0_used, sizeof(double), 1, fp);
+  fwrite(&range_used, sizeof(double), 1, fp);
+  fwrite(&own_cutoff, sizeof(double), 1, fp);
+  face_radius.resize(atom->ntypes + 1, 0.0);
+  fwrite(face_radius.data(), sizeof(double), face_radius.size(), fp);
 }
 
-/* ----------------------------------------------------------------------
-   ghosts must reach as far as the list plus the vertices of the last face in
-   it. A deck that sets no cutoff gets this one.
-------------------------------------------------------------------------- */
-
-void PairDCMContact::set_cutoff()
+void PairDCMContact::read_restart(FILE *fp)
 {
-  double pair = 0.0;
-  for (const auto &info : types)
-    if (info.active) pair = std::max(pair, 2.0 * info.promise);
-  const double need = round_up(pair + neighbor->skin + FACE_GROWTH * face_radius_max);
-  const double before = own_cutoff;
-  own_cutoff = need;
-  if (!have_faces || comm->mode != Comm::SINGLE) return;
-
-  // 0: not set by the deck; equal: set here in an earlier run
-
-  if (comm->cutghostuser == 0.0 || comm->cutghostuser == before) {
-    comm->cutghostuser = need;
-    if (comm->me == 0 && need != before)
-      utils::logmesg(lmp, "{}: ghost cutoff set to {:.6g}\n", STYLE, need);
-  } else if (comm->cutghostuser < need) {
-    error->all(FLERR,
-               "{}: the ghost cutoff {:.6g} is too small, some faces would miss their vertices; "
-               "set 'comm_modify cutoff {:.6g}' or remove that command",
-               STYLE, comm->cutghostuser, need);
+  face_radius.assign(atom->ntypes + 1, 0.0);
+  if (comm->me == 0) {
+    utils::sfread(FLERR, &set, sizeof(Settings), 1, fp, nullptr, error);
+    utils::sfread(FLERR, &h0_used, sizeof(double), 1, fp, nullptr, error);
+    utils::sfread(FLERR, &range_used, sizeof(double), 1, fp, nullptr, error);
+    utils::sfread(FLERR, &own_cutoff, sizeof(double), 1, fp, nullptr, error);
+    utils::sfread(FLERR, face_radius.data(), sizeof(double), face_radius.size(), fp, nullptr,
+                  error);
   }
+  MPI_Bcast(&set, sizeof(Settings), MPI_BYTE, 0, world);
+  MPI_Bcast(&h0_used, 1, MPI_DOUBLE, 0, world);
+  MPI_Bcast(&range_used, 1, MPI_DOUBLE, 0, world);
+  MPI_Bcast(&own_cutoff, 1, MPI_DOUBLE, 0, world);
+  MPI_Bcast(face_radius.data(), (int) face_radius.size(), MPI_DOUBLE, 0, world);
 }
 
-/* ----------------------------------------------------------------------
-   who has touched whom: spheres always, faces only with branch history
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
-void PairDCMContact::setup_history()
+void *PairDCMContact::extract(const char *name, int &dim)
 {
-  use_history = have_spheres || set.history;
-  neighbor->add_request(this, use_history ? NeighConst::REQ_SIZE | NeighConst::REQ_HISTORY
-                                          : NeighConst::REQ_SIZE);
-  if (use_history && !fix_history) {
-    fix_history = dynamic_cast<FixNeighHistory *>(
-        modify->replace_fix("NEIGH_HISTORY_DCM_DUMMY", "NEIGH_HISTORY_DCM all NEIGH_HISTORY 1", 1));
-    fix_history->pair = this;
-  }
+  dim = 0;
+  if (strcmp(name, "h0") == 0) return &h0_used;
+  if (strcmp(name, "range") == 0) return &range_used;
+  return nullptr;
 }
 
-/* ----------------------------------------------------------------------
-   types that never interact with others get a small length of their own, for
-   the bins of neighbor style multi (0 would make one bin of the box)
-------------------------------------------------------------------------- */
-
-double PairDCMContact::init_one(int i, int j)
+double PairDCMContact::memory_usage()
 {
-  if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
-  if (types[i].active && types[j].active) return types[i].promise + types[j].promise;
-  const bool tracer_face =
-      (types[i].kind == AtomVecDCM::TRACER && types[j].kind == AtomVecDCM::FACE) ||
-      (types[j].kind == AtomVecDCM::TRACER && types[i].kind == AtomVecDCM::FACE);
-  if (tracer_face && !modify->get_fix_by_style("^dcm/tracer").empty())
-    return types[i].promise + types[j].promise;
-  return i == j ? mean_edge : 0.0;
+  double bytes = Pair::memory_usage();
+  bytes += (double) (face_pairs.capacity() + mixed_pairs.capacity() + sphere_pairs.capacity()) *
+           sizeof(FacePair);
+  bytes += (double) (face_touch.capacity() + mixed_touch.capacity() + sphere_touch.capacity()) *
+           sizeof(int *);
+  bytes += (double) geometry.capacity() * sizeof(dcm::FaceGeometry);
+  bytes += (double) (area.capacity() + stress.capacity() + moment.capacity() + modulus.capacity()) *
+           sizeof(double);
+  bytes += (double) contacts.capacity() * sizeof(dcm::ContactBlock);
+  bytes += (double) spheres.capacity() * sizeof(dcm::EdgeBlock);
+  bytes += (double) table.capacity() * sizeof(dcm::ContactMaterial);
+  return bytes;
 }
