@@ -83,7 +83,12 @@ void PairDCMContact::compute(int eflag, int vflag)
   }
   if (!sphere_pairs.empty() || any_apparent) {
     if (any_apparent) compute_moduli();
-    compute_spheres(eflag);
+    if (sister_list.empty())
+      compute_spheres<false>(eflag);
+    else
+      compute_spheres<true>(eflag);
+  } else if (!sister_list.empty()) {
+    compute_spheres<true>(eflag);
   }
 
   commmode = SUMS;

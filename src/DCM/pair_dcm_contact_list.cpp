@@ -8,7 +8,8 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-// pair style dcm/contact: what the neighbor list is laid out for, and the list itself
+// pair style dcm/contact: what the neighbor list is laid out for, and restart files, which keep it;
+// the list itself
 
 #include "pair_dcm_contact.h"
 
@@ -35,18 +36,19 @@ using dcm::Vec3;
 
 static const std::string STYLE = "Pair style dcm/contact";
 
-// factor by which the largest face may have changed between runs for its size to be kept
+// what the list is laid out for: radii grow by these factors, spheres only if something makes cells
+// grow. The mesh of faces that no run has seen yet may be twice as coarse as was guessed.
 
-static constexpr double FACE_KEEP = 1.2;
+static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3, COARSE = 2.0;
 
 /* ----------------------------------------------------------------------
-   mean edge and largest face per type, at a time when no ghosts exist yet:
+   mean edge and largest face per type at the start of a run, at a time when no ghosts exist yet:
    vertices that other ranks own are asked from all
 ------------------------------------------------------------------------- */
 
 void PairDCMContact::measure_mesh()
 {
-  mean_edge = face_radius_max = 0.0;
+  mean_edge = 0.0;
   if (!have_faces) return;
   const int nlocal = atom->nlocal;
 
@@ -107,16 +109,100 @@ void PairDCMContact::measure_mesh()
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), atom->ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
   mean_edge = sums[0] / sums[1];
 
-  // keep the sizes of an earlier run while they fit: bins, and with them the order of sums, and
-  // the ghost cutoff stay as they were when a run is continued or restarted
+  for (int t = 1; t <= atom->ntypes; t++)
+    if (types[t].kind == AtomVecDCM::FACE) types[t].radius = largest[t];
+}
 
-  face_radius.resize(atom->ntypes + 1, 0.0);
-  for (int t = 1; t <= atom->ntypes; t++) {
-    const double ratio = largest[t] / face_radius[t];
-    if (!(ratio < FACE_KEEP && ratio > 1.0 / FACE_KEEP)) face_radius[t] = largest[t];
-    if (types[t].kind == AtomVecDCM::FACE) types[t].radius = face_radius[t];
-    face_radius_max = std::max(face_radius_max, face_radius[t]);
+/* ----------------------------------------------------------------------
+   the largest radius of each type that the list can hold, and with it bins,
+   ghost cutoff and the order of sums: chosen in the first run and kept, also
+   over restarts, so that these change nothing while cells grow. Larger only
+   if what is there does not fit, or if cells did not grow before.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::lay_out()
+{
+  const int ntypes = atom->ntypes;
+  const bool growing = has_fix({"growth", "division", "cycle"});
+  const double face = set.growth > 0.0 ? set.growth : FACE_GROWTH;
+  const double sphere = set.growth > 0.0 ? set.growth : growing ? SPHERE_GROWTH : 1.0;
+  const double half = 0.5 * range_used;
+  const bool begins = sphere > sphere_growth;
+  sphere_growth = std::max(sphere, sphere_growth);
+  laid_out.resize(ntypes + 1, 0.0);
+
+  auto prepare = [&](int t, double now, double later, bool grows) {
+    if (now <= laid_out[t] && !(grows && later > laid_out[t])) return;
+    if (laid_out[t] > 0.0 && comm->me == 0)
+      utils::logmesg(lmp,
+                     "{}: radii of atom type {} up to {:.6g}, neighbor list laid out for {:.6g}"
+                     " (before {:.6g})\n",
+                     STYLE, t, now, later, laid_out[t]);
+    laid_out[t] = later;
+  };
+  double face_max = 0.0, largest = 0.0;
+  for (int t = 1; t <= ntypes; t++) {
+    TypeInfo &info = types[t];
+    if (info.kind == AtomVecDCM::FACE) {
+      prepare(t, info.radius + half, face * info.radius + half, false);
+      face_max = std::max(face_max, info.radius);
+    } else if (info.kind == AtomVecDCM::SPHERE) {
+      prepare(t, info.radius, sphere * info.radius, begins);
+    } else {
+      continue;
+    }
+    info.promise = laid_out[t];
+    largest = std::max(largest, info.promise);
   }
+
+  // types without atoms: whatever the others hold; if cells change their kind, also a sphere as
+  // large as a deformable cell
+
+  for (int t = 1; t <= ntypes; t++) {
+    TypeInfo &info = types[t];
+    if (!info.active || info.kind) continue;
+    info.promise = largest;
+    if (!expect_new) continue;
+    const double room = std::max(largest, sphere * cell_radius) + half;
+    prepare(t, std::max(largest, cell_radius), room, false);
+    info.promise = laid_out[t];
+  }
+
+  if (bin_edge == 0.0 || face_max > face_reach) bin_edge = mean_edge;
+  if (expect_faces && !have_faces && face_reach == 0.0)
+    face_reach = face * COARSE * mean_edge / std::sqrt(3.0);
+  if (face_max > face_reach) face_reach = face * face_max;
+}
+
+/* ----------------------------------------------------------------------
+   restart files keep the settings, the lengths derived from the mesh, and
+   what the list is laid out for; cell types come again from pair_coeff
+------------------------------------------------------------------------- */
+
+void PairDCMContact::write_restart(FILE *fp)
+{
+  fwrite(&set, sizeof(Settings), 1, fp);
+  for (double *value : kept()) fwrite(value, sizeof(double), 1, fp);
+  laid_out.resize(atom->ntypes + 1, 0.0);
+  fwrite(laid_out.data(), sizeof(double), laid_out.size(), fp);
+}
+
+void PairDCMContact::read_restart(FILE *fp)
+{
+  laid_out.assign(atom->ntypes + 1, 0.0);
+  if (comm->me == 0) {
+    utils::sfread(FLERR, &set, sizeof(Settings), 1, fp, nullptr, error);
+    for (double *value : kept()) utils::sfread(FLERR, value, sizeof(double), 1, fp, nullptr, error);
+    utils::sfread(FLERR, laid_out.data(), sizeof(double), laid_out.size(), fp, nullptr, error);
+  }
+  MPI_Bcast(&set, sizeof(Settings), MPI_BYTE, 0, world);
+  for (double *value : kept()) MPI_Bcast(value, 1, MPI_DOUBLE, 0, world);
+  MPI_Bcast(laid_out.data(), (int) laid_out.size(), MPI_DOUBLE, 0, world);
+}
+
+std::vector<double *> PairDCMContact::kept()
+{
+  return {&h0_used, &range_used, &own_cutoff, &bin_edge, &face_reach, &sphere_growth, &guessed};
 }
 
 /* ----------------------------------------------------------------------
@@ -151,7 +237,7 @@ void PairDCMContact::exclude_types()
   bool molecules = false;
   for (int n = 0; n < neighbor->nex_mol; n++)
     if (neighbor->ex_mol_group[n] == 0 && neighbor->ex_mol_intra[n]) molecules = true;
-  if (!molecules && have_faces) neighbor->modify_params("exclude molecule/intra all");
+  if (!molecules && expect_faces) neighbor->modify_params("exclude molecule/intra all");
 }
 
 /* ----------------------------------------------------------------------
@@ -164,10 +250,10 @@ void PairDCMContact::set_cutoff()
   double pair = 0.0;
   for (const auto &info : types)
     if (info.active) pair = std::max(pair, 2.0 * info.promise);
-  const double need = round_up(pair + neighbor->skin + FACE_GROWTH * face_radius_max);
+  const double need = round_up(pair + neighbor->skin + face_reach);
   const double before = own_cutoff;
   own_cutoff = need;
-  if (!have_faces || comm->mode != Comm::SINGLE) return;
+  if (!expect_faces || comm->mode != Comm::SINGLE) return;
 
   // 0: not set by the deck; equal: set here in an earlier run
 
@@ -189,7 +275,7 @@ void PairDCMContact::set_cutoff()
 
 void PairDCMContact::setup_history()
 {
-  use_history = have_spheres || set.history;
+  use_history = expect_spheres || set.history;
   neighbor->add_request(this, use_history ? NeighConst::REQ_SIZE | NeighConst::REQ_HISTORY
                                           : NeighConst::REQ_SIZE);
   if (use_history && !fix_history) {
@@ -213,7 +299,7 @@ double PairDCMContact::init_one(int i, int j)
       (types[j].kind == AtomVecDCM::TRACER && types[i].kind == AtomVecDCM::FACE);
   if (tracer_face && !modify->get_fix_by_style("^dcm/tracer").empty())
     return types[i].promise + types[j].promise;
-  return i == j ? mean_edge : 0.0;
+  return i == j ? bin_edge : 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -225,6 +311,7 @@ void PairDCMContact::sort_pairs()
 {
   check_radii();
   built = neighbor->lastcall;
+  if (fix_cell && !fix_cell->cells.empty()) guessed = 0.0;    // this run made them: keep the guess
   face_pairs.clear();
   mixed_pairs.clear();
   sphere_pairs.clear();
@@ -311,20 +398,31 @@ void PairDCMContact::check_radii()
     const int kind = dcm->kind[i];
     if (kind != AtomVecDCM::FACE && kind != AtomVecDCM::SPHERE) continue;
     if (!info.used) continue;
-    if (!info.active)
+    const char *const name = kind == AtomVecDCM::FACE ? "face" : "sphere";
+    if (info.kind && info.kind != kind)
       error->one(FLERR,
-                 "Pair style dcm/contact: atom {} is a {} but its type {} held none when the run "
-                 "started; give faces and spheres atom types of their own",
-                 atom->tag[i], kind == AtomVecDCM::FACE ? "face" : "sphere", atom->type[i]);
+                 "Pair style dcm/contact: atom {} is a {} but its type {} held atoms of another "
+                 "kind when the run started; give each kind atom types of its own",
+                 atom->tag[i], name, atom->type[i]);
     if (kind == AtomVecDCM::FACE && !fix_cell)
       error->one(FLERR, "Pair style dcm/contact: face {} appeared without a fix dcm/cell",
                  atom->tag[i]);
+    if (kind == AtomVecDCM::FACE ? !expect_faces : !use_history)
+      error->one(FLERR,
+                 "Pair style dcm/contact: {} {} of cell {} appeared at step {}, in a run that "
+                 "started without any and without a fix that makes cells (dcm/division, dcm/cycle, "
+                 "dcm/convert); start a new run once it is there",
+                 name, atom->tag[i], atom->molecule[i], update->ntimestep);
     if (atom->radius[i] > info.promise)
       error->one(FLERR,
                  "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step "
-                 "{}, beyond the {:.4} for which the neighbor list was prepared at the start of "
-                 "this run; split the run ('run N every M') or look for a mesh that falls apart",
-                 kind == AtomVecDCM::FACE ? "face" : "sphere", atom->tag[i], atom->molecule[i],
-                 atom->radius[i], update->ntimestep, info.promise);
+                 "{}, beyond the {:.4} that the neighbor list is laid out for; look for a mesh "
+                 "that falls apart, or continue from before with a larger growth: 'pair_style "
+                 "dcm/contact ... growth {:.4}' and the same pair_coeff",
+                 name, atom->tag[i], atom->molecule[i], atom->radius[i], update->ntimestep,
+                 info.promise,
+                 1.25 * (set.growth > 0.0           ? set.growth
+                         : kind == AtomVecDCM::FACE ? FACE_GROWTH
+                                                    : sphere_growth));
   }
 }

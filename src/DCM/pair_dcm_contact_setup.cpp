@@ -8,7 +8,7 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-// pair style dcm/contact: settings, types and their parameters, lengths, restart files
+// pair style dcm/contact: settings, types and their parameters, lengths
 
 #include "pair_dcm_contact.h"
 
@@ -39,14 +39,18 @@ static constexpr int NREGION = AtomVecDCM::NREGION;
 
 static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2, RANGE = 0.75;
 
+// mean edge of a mesh of 162 nodes, in radii of the cell
+
+static constexpr double EDGE = 0.3;
+
 /* ---------------------------------------------------------------------- */
 
 PairDCMContact::PairDCMContact(LAMMPS *lmp) :
     Pair(lmp), parameters(std::make_unique<DCMParameters>(lmp, STYLE)), dcm(nullptr),
     fix_cell(nullptr), fix_history(nullptr), nclass(0), have_spheres(false), have_faces(false),
-    any_apparent(false), use_history(false), want_stress(false), want_partners(false),
-    want_blocks(false), mean_edge(0.0), face_radius_max(0.0), own_cutoff(0.0), built(-1),
-    checked_step(-1), checked_atoms(-1), commmode(SUMS)
+    expect_new(false), expect_spheres(false), expect_faces(false), any_apparent(false),
+    use_history(false), want_stress(false), want_partners(false), want_blocks(false),
+    mean_edge(0.0), cell_radius(0.0), built(-1), checked_step(-1), checked_atoms(-1), commmode(SUMS)
 {
   AtomVecDCM::require(lmp, STYLE);
   single_enable = 0;
@@ -132,10 +136,14 @@ void PairDCMContact::settings(int narg, char **arg)
       now.range = parameters->number("range", text, DCMParameters::POSITIVE);
     } else if (key == "maxoverlap") {
       now.maxoverlap = parameters->number("maxoverlap", text, DCMParameters::POSITIVE);
+    } else if (key == "growth") {
+      now.growth = parameters->number("growth", text, DCMParameters::POSITIVE);
+      if (now.growth < 1.0)
+        error->all(FLERR, "{}: growth is {}, must be at least 1 (no growth)", STYLE, now.growth);
     } else {
       error->all(FLERR,
                  "{}: unknown keyword {}; known: law branch points h0 rmax range concave "
-                 "maxoverlap",
+                 "maxoverlap growth",
                  STYLE, key);
     }
   }
@@ -143,8 +151,19 @@ void PairDCMContact::settings(int narg, char **arg)
     error->all(FLERR, "{}: branch history is for law maugis; law dmt has no neck to remember",
                STYLE);
   if (now.h0_auto != set.h0_auto || now.h0 != set.h0) h0_used = 0.0;
-  if (now.range != set.range || h0_used == 0.0) range_used = 0.0;
+  bool anew = now.growth != set.growth;
+  if (range_used > 0.0 && (now.range != set.range || h0_used == 0.0)) {
+    range_used = 0.0;
+    anew = true;
+  }
+  if (anew) forget_layout();
   set = now;
+}
+
+void PairDCMContact::forget_layout()
+{
+  laid_out.clear();
+  bin_edge = face_reach = sphere_growth = 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -183,15 +202,17 @@ void PairDCMContact::init_style()
   // others ask for these in their init(), which comes later
 
   want_stress = want_partners = want_virial = false;
+  set_sisters({});
   want_blocks = !modify->get_fix_by_style("^dcm/motion").empty();
   built = -1;
 
   scan_types();
+  expect_types();
   fix_cell = nullptr;
-  if (have_faces || !modify->get_fix_by_style("^dcm/cell$").empty())
-    fix_cell = FixDCMCell::require(lmp, STYLE);
+  if (have_faces || has_fix({"cell$"})) fix_cell = FixDCMCell::require(lmp, STYLE);
   measure_mesh();
   choose_lengths();
+  lay_out();
   read_types();
   if (fix_cell) {
     fix_cell->request_curvature();
@@ -214,6 +235,8 @@ void PairDCMContact::scan_types()
   int nomolecule = 0;
   for (int i = 0; i < atom->nlocal; i++) {
     seen[atom->type[i]] |= 1 << dcm->kind[i];
+    if (dcm->kind[i] == AtomVecDCM::CENTER)
+      radius[0] = std::max(radius[0], std::cbrt(0.75 / dcm::PI * dcm->volume0[i]));
     if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
     radius[atom->type[i]] = std::max(radius[atom->type[i]], atom->radius[i]);
     if (atom->molecule[i] == 0) nomolecule = 1;
@@ -226,6 +249,7 @@ void PairDCMContact::scan_types()
                STYLE);
 
   static const char *const names[] = {"none", "sphere", "center", "node", "face", "tracer"};
+  cell_radius = radius[0];
   have_spheres = have_faces = false;
   types.assign(ntypes + 1, TypeInfo());
   for (int t = 1; t <= ntypes; t++) {
@@ -249,8 +273,34 @@ void PairDCMContact::scan_types()
 }
 
 /* ----------------------------------------------------------------------
+   what may come in this run: where something makes cells or changes their
+   kind, types without atoms may get faces (not without a fix dcm/cell) or
+   spheres
+------------------------------------------------------------------------- */
+
+void PairDCMContact::expect_types()
+{
+  expect_new = has_fix({"division", "cycle", "conver"}) &&
+               std::any_of(types.begin(), types.end(), [](const TypeInfo &info) {
+                 return info.active && info.kind == 0;
+               });
+  expect_faces = have_faces || (expect_new && has_fix({"cell$"}));
+  expect_spheres = have_spheres || expect_new;
+}
+
+bool PairDCMContact::has_fix(const std::vector<std::string> &names) const
+{
+  // one by one: patterns of LAMMPS know no alternatives
+  return std::any_of(names.begin(), names.end(), [this](const std::string &name) {
+    return !modify->get_fix_by_style("^dcm/" + name).empty();
+  });
+}
+
+/* ----------------------------------------------------------------------
    h0 and range, chosen once: a mesh that grows must not change them between
-   runs. Rounded, so that they do not depend on the number of ranks.
+   runs. Rounded, so that they do not depend on the number of ranks. For cells
+   that come in the run, a guess: kept if they do, made good if the deck makes
+   them before the next run.
 ------------------------------------------------------------------------- */
 
 double PairDCMContact::round_up(double value)
@@ -262,10 +312,17 @@ double PairDCMContact::round_up(double value)
 void PairDCMContact::choose_lengths()
 {
   std::string chosen;
-  if (!have_faces) {
+  if (!expect_faces) {
     // nothing to derive lengths from yet; spheres use neither
     if (h0_used == 0.0) overlap_used = 0.0;
     return;
+  }
+  if (!have_faces) {
+    for (const auto &info : types)
+      if (info.kind == AtomVecDCM::SPHERE) mean_edge = std::max(mean_edge, EDGE * info.radius);
+  } else if (guessed != 0.0) {
+    h0_used = range_used = guessed = 0.0;
+    forget_layout();
   }
   if (h0_used == 0.0) {
     h0_used = set.h0;
@@ -275,7 +332,7 @@ void PairDCMContact::choose_lengths()
   if (range_used == 0.0) {
     range_used = set.range;
     if (range_used == 0.0) {
-      range_used = std::max(round_up(RANGE * mean_edge), round_up(2.0 * h0_used));
+      range_used = round_up(std::max(RANGE * mean_edge, 2.0 * h0_used));
       chosen += fmt::format(", range {:.6g}", range_used);
     }
   }
@@ -284,8 +341,11 @@ void PairDCMContact::choose_lengths()
     error->all(FLERR, "{}: range is {}, must not be below h0 ({}) and maxoverlap ({})", STYLE,
                range_used, h0_used, overlap_used);
   if (!chosen.empty() && comm->me == 0)
-    utils::logmesg(lmp, "{}: mean edge {:.6g}{}\n", STYLE, mean_edge, chosen);
-  if (!warned_h0 && h0_used < H0_RESOLVED * mean_edge) {
+    utils::logmesg(lmp, "{}: {} {:.6g}{}\n", STYLE,
+                   have_faces ? "mean edge" : "no faces yet, mean edge taken as", mean_edge,
+                   chosen);
+  if (!chosen.empty() && !have_faces) guessed = 1.0;
+  if (!warned_h0 && have_faces && h0_used < H0_RESOLVED * mean_edge) {
     warned_h0 = true;
     if (comm->me == 0)
       error->warning(FLERR,
@@ -304,15 +364,9 @@ void PairDCMContact::choose_lengths()
 void PairDCMContact::read_types()
 {
   const int ntypes = atom->ntypes;
-  const bool growing = !modify->get_fix_by_style("^dcm/(growth|division|cycle)").empty();
-  double largest = 0.0;
   any_apparent = false;
   for (int t = 1; t <= ntypes; t++) {
     TypeInfo &info = types[t];
-    if (info.kind == AtomVecDCM::FACE) info.promise = FACE_GROWTH * info.radius + 0.5 * range_used;
-    if (info.kind == AtomVecDCM::SPHERE)
-      info.promise = (growing ? SPHERE_GROWTH : 1.0) * info.radius;
-    largest = std::max(largest, info.promise);
     if (!info.active) continue;
     info.E = parameters->get(t, "E_contact", DCMParameters::POSITIVE);
     info.nu = parameters->get(t, "nu_contact", DCMParameters::ANY);
@@ -323,15 +377,17 @@ void PairDCMContact::read_types()
     info.gt = parameters->get(t, "friction_tangential", DCMParameters::NONNEGATIVE, 0.0);
     for (int k = 0; k < 4; k++) {
       info.a[k] = parameters->get(t, fmt::format("a{}", k + 1), DCMParameters::ANY, 0.0);
-      if (info.kind == AtomVecDCM::SPHERE && info.a[k] != 0.0) any_apparent = true;
+      const bool sphere = info.kind == AtomVecDCM::SPHERE || (info.kind == 0 && expect_spheres);
+      if (sphere && info.a[k] != 0.0) any_apparent = true;
     }
   }
-  for (int t = 1; t <= ntypes; t++)
-    if (types[t].active && types[t].kind == 0) types[t].promise = largest;
 
   nclass = NREGION * ntypes;
   table.assign((size_t) nclass * nclass, dcm::ContactMaterial());
   double neck = 0.0;
+  auto sphere = [this](const TypeInfo &info) {
+    return info.promise - (info.kind ? 0.0 : 0.5 * range_used);    // as lay_out() has it
+  };
   for (int s = 1; s <= ntypes; s++)
     for (int t = 1; t <= ntypes; t++) {
       const TypeInfo &a = types[s], &b = types[t];
@@ -344,8 +400,9 @@ void PairDCMContact::read_types()
           m.h0 = h0_used > 0.0 ? h0_used : set.h0;
           m.gn = 0.5 * (a.gn + b.gn);
           m.gt = 0.5 * (a.gt + b.gt);
-          if (p || q || a.kind != AtomVecDCM::SPHERE || b.kind != AtomVecDCM::SPHERE) continue;
-          const dcm::JKR jkr = {m.E, dcm::effective_radius(a.promise, b.promise), m.W};
+          if (p || q || !may_be(a, AtomVecDCM::SPHERE) || !may_be(b, AtomVecDCM::SPHERE)) continue;
+          const double R = dcm::effective_radius(sphere(a), sphere(b));
+          const dcm::JKR jkr = {m.E, R, m.W};
           neck = std::max(neck, -jkr.pull_off_displacement());
         }
     }
@@ -354,39 +411,6 @@ void PairDCMContact::read_types()
                "{}: the adhesive neck between two spheres reaches {:.4} beyond touch, but the "
                "neighbor list only {:.4}; set 'neighbor {:.4} bin' (or multi) or more",
                STYLE, neck, neighbor->skin, round_up(neck));
-}
-
-/* ----------------------------------------------------------------------
-   restart files keep the settings and the lengths derived from the mesh;
-   cell types come again from pair_coeff
-------------------------------------------------------------------------- */
-
-void PairDCMContact::write_restart(FILE *fp)
-{
-  fwrite(&set, sizeof(Settings), 1, fp);
-  fwrite(&h0_used, sizeof(double), 1, fp);
-  fwrite(&range_used, sizeof(double), 1, fp);
-  fwrite(&own_cutoff, sizeof(double), 1, fp);
-  face_radius.resize(atom->ntypes + 1, 0.0);
-  fwrite(face_radius.data(), sizeof(double), face_radius.size(), fp);
-}
-
-void PairDCMContact::read_restart(FILE *fp)
-{
-  face_radius.assign(atom->ntypes + 1, 0.0);
-  if (comm->me == 0) {
-    utils::sfread(FLERR, &set, sizeof(Settings), 1, fp, nullptr, error);
-    utils::sfread(FLERR, &h0_used, sizeof(double), 1, fp, nullptr, error);
-    utils::sfread(FLERR, &range_used, sizeof(double), 1, fp, nullptr, error);
-    utils::sfread(FLERR, &own_cutoff, sizeof(double), 1, fp, nullptr, error);
-    utils::sfread(FLERR, face_radius.data(), sizeof(double), face_radius.size(), fp, nullptr,
-                  error);
-  }
-  MPI_Bcast(&set, sizeof(Settings), MPI_BYTE, 0, world);
-  MPI_Bcast(&h0_used, 1, MPI_DOUBLE, 0, world);
-  MPI_Bcast(&range_used, 1, MPI_DOUBLE, 0, world);
-  MPI_Bcast(&own_cutoff, 1, MPI_DOUBLE, 0, world);
-  MPI_Bcast(face_radius.data(), (int) face_radius.size(), MPI_DOUBLE, 0, world);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -90,13 +90,14 @@ static void solid_angles(LAMMPS *lmp, const FixDCMCell *fix, const std::vector<B
 
 void PairDCMContact::check_law(double radius)
 {
-  if (set.law != MAUGIS || !have_faces) return;
+  if (set.law != MAUGIS || !expect_faces) return;
   const double R = 0.5 * radius;
   for (int s = 1; s <= atom->ntypes; s++)
     for (int t = s; t <= atom->ntypes; t++) {
-      if (types[s].kind != AtomVecDCM::FACE && types[t].kind != AtomVecDCM::FACE) continue;
+      if (!may_be(types[s], AtomVecDCM::FACE) && !may_be(types[t], AtomVecDCM::FACE)) continue;
       const auto &m = table[(size_t) AtomVecDCM::NREGION * ((s - 1) * nclass + t - 1)];
-      if (!types[s].active || !types[t].active || !types[s].kind || !types[t].kind) continue;
+      if (!types[s].active || !types[t].active) continue;
+      if (!expect_new && (!types[s].kind || !types[t].kind)) continue;
       const double a = std::cbrt(4.5 * dcm::PI * m.W * R * R / m.E);
       if (a > 0.9 * radius)
         error->all(
@@ -184,7 +185,7 @@ void PairDCMContact::check_start()
   for (size_t m = 0; m < near_all.size(); m += 2) {
     const int a = near_all[m], b = near_all[m + 1];
     if (bodies[a].cell < 0 && bodies[b].cell < 0) {
-      nspheres++;
+      if (find_sisters(bodies[a].molecule, bodies[b].molecule) < 0) nspheres++;
       continue;
     }
     doubtful.emplace_back(a, b);
