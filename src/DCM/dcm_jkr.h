@@ -95,6 +95,15 @@ struct JKR {
     return a * a / R - std::sqrt(2.0 * PI * sigma * a / E);
   }
 
+  /// Contact radius at which the stable branch has a force, um; force >= pull_off_force().
+  double radius_of_force(double force) const
+  {
+    // eq 14 is quadratic in a^1.5
+    const double k = 4.0 * E / (3.0 * R), b = std::sqrt(8.0 * PI * sigma * E);
+    const double s = 0.5 * (b + std::sqrt(std::max(b * b + 4.0 * k * force, 0.0))) / k;
+    return std::cbrt(s * s);
+  }
+
   /// Force at an overlap, nN.
   double force(double delta) const { return force_of_radius(contact_radius(delta)); }
 
@@ -107,6 +116,45 @@ struct JKR {
     return E * a * a *
            (8.0 * a * a * a / (15.0 * R * R) - 4.0 * c * a * std::sqrt(a) / (3.0 * R) +
             0.5 * c * c);
+  }
+};
+
+/// JKR contact that is held back, as between two sister cells, which a division leaves deep inside
+/// each other: softer by a factor and with a limit to its repulsion. Either alone, or both.
+///
+/// `scale` >= 0 multiplies E and sigma together. That is JKR of a softer pair with the contact
+/// radius, the neck and the pull-off displacement of the full one, whose force and energy are
+/// those of the full law times scale: a ramp to 1 changes nothing but the force.
+/// `most` > 0 (0: no limit) is the largest repulsive force, nN, whatever the overlap; attraction
+/// is not limited. The contact radius stays that of the overlap.
+struct HeldJKR {
+  JKR full;
+  double scale, most;
+
+  /// Part of the full law's force that is left at a contact radius, 0 to max(1, scale).
+  double part_of_radius(double a) const
+  {
+    const double force = full.force_of_radius(a);
+    return most > 0.0 && scale * force > most ? most / force : scale;
+  }
+
+  /// Force as a function of the contact radius, nN: min(scale F, most).
+  double force_of_radius(double a) const
+  {
+    const double force = scale * full.force_of_radius(a);
+    return most > 0.0 ? std::min(force, most) : force;
+  }
+
+  /// Force at an overlap, nN.
+  double force(double delta) const { return force_of_radius(full.contact_radius(delta)); }
+
+  /// Energy at an overlap, nN um: force = dU/d delta at fixed scale and most, so linear beyond
+  /// the overlap at which the limit begins.
+  double energy(double delta) const
+  {
+    if (!(most > 0.0 && scale * full.force(delta) > most)) return scale * full.energy(delta);
+    const double begin = full.overlap_of_radius(full.radius_of_force(most / scale));
+    return scale * full.energy(begin) + most * (delta - begin);
   }
 };
 

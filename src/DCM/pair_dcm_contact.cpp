@@ -8,13 +8,14 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
+// pair style dcm/contact: a step: contacts of faces, what it hands over to others, communication
+
 #include "pair_dcm_contact.h"
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_curvature.h"
-#include "dcm_jkr.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
@@ -82,7 +83,12 @@ void PairDCMContact::compute(int eflag, int vflag)
   }
   if (!sphere_pairs.empty() || any_apparent) {
     if (any_apparent) compute_moduli();
-    compute_spheres(eflag);
+    if (sister_list.empty())
+      compute_spheres<false>(eflag);
+    else
+      compute_spheres<true>(eflag);
+  } else if (!sister_list.empty()) {
+    compute_spheres<true>(eflag);
   }
 
   commmode = SUMS;
@@ -352,107 +358,6 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mi
   }
 }
 
-/* ----------------------------------------------------------------------
-   apparent modulus of each sphere from its mean compression by the spheres
-   it touches (S1, after eq 15)
-------------------------------------------------------------------------- */
-
-void PairDCMContact::compute_moduli()
-{
-  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost;
-  double *const *const x = atom->x;
-  near_sum.assign(nall, 0.0);
-  near_count.assign(nall, 0.0);
-  modulus.resize(nall);
-  for (size_t n = 0; n < sphere_pairs.size(); n++) {
-    const int i = sphere_pairs[n].i, j = sphere_pairs[n].j;
-    const double sum = atom->radius[i] + atom->radius[j];
-    const double d = (vec(x[j]) - vec(x[i])).norm();
-    if (d > sum && !*sphere_touch[n]) continue;
-    for (int k : {i, j}) {
-      near_sum[k] += 1.0 - d / sum;
-      near_count[k] += 1.0;
-    }
-  }
-  commmode = NEIGHBORS;
-  comm->reverse_comm(this, 2);
-
-  for (int i = 0; i < nlocal; i++) {
-    if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
-    const TypeInfo &info = types[atom->type[i]];
-    modulus[i] = near_count[i] > 0.0
-                     ? dcm::apparent_modulus(info.E, info.a, near_sum[i] / near_count[i])
-                     : info.E;
-    if (!(modulus[i] > 0.0))
-      error->one(FLERR,
-                 "Pair style dcm/contact: the apparent modulus of cell {} is {} at a mean overlap "
-                 "of {} of the radii; the coefficients a1..a4 must keep it positive",
-                 atom->molecule[i], modulus[i], near_sum[i] / near_count[i]);
-  }
-  commmode = MODULUS;
-  comm->forward_comm(this, 1);
-}
-
-/* ----------------------------------------------------------------------
-   JKR contact of center-based cells: made at first touch, kept to pull-off
-------------------------------------------------------------------------- */
-
-void PairDCMContact::compute_spheres(int eflag)
-{
-  double *const *const x = atom->x;
-  double *const *const force_of = atom->f;
-  const double *const radius = atom->radius;
-  const int *const type = atom->type;
-  const int nlocal = atom->nlocal;
-
-  for (size_t n = 0; n < sphere_pairs.size(); n++) {
-    const int i = sphere_pairs[n].i, j = sphere_pairs[n].j;
-    int &touch = *sphere_touch[n];
-    const Vec3 del = vec(x[j]) - vec(x[i]);
-    const double d = del.norm();
-    const double delta = radius[i] + radius[j] - d;
-    if (delta < 0.0 && !touch) continue;
-
-    const TypeInfo &it = types[type[i]], &jt = types[type[j]];
-    const dcm::ContactMaterial &mat =
-        table[NREGION * (type[i] - 1) * nclass + NREGION * (type[j] - 1)];
-    const double E = any_apparent ? dcm::effective_modulus(modulus[i], it.nu, modulus[j], jt.nu)
-                                  : mat.E;
-    const dcm::JKR jkr = {E, dcm::effective_radius(radius[i], radius[j]), mat.W};
-    if (delta < jkr.pull_off_displacement()) {
-      touch = 0;
-      continue;
-    }
-    touch = 1;
-
-    const double a = jkr.contact_radius(delta);
-    const double force = jkr.force_of_radius(a);
-    if (!(d > 0.0) || !std::isfinite(force)) fail_pair(i, j, delta, delta, force);
-    const Vec3 u = del / d;
-    const double patch = dcm::PI * a * a;
-    count.contacts++;
-    count.area += patch;
-    vec(force_of[i]) -= force * u;
-    vec(force_of[j]) += force * u;
-    area[i] += patch;
-    area[j] += patch;
-    if (want_stress) {
-      stress[i] += force;
-      stress[j] += force;
-    }
-    if (want_virial) {
-      moment[i] += 0.5 * d * force;
-      moment[j] += 0.5 * d * force;
-    }
-    if (want_partners) add_partner(atom->molecule[i], atom->molecule[j], patch);
-    if (want_blocks)
-      spheres.push_back({i, j, patch * mat.gt, patch * (mat.gn - mat.gt), {u[0], u[1], u[2]}});
-    if (evflag)
-      ev_tally(i, j, nlocal, 1, eflag ? jkr.energy(delta) : 0.0, 0.0, force / d, -del[0], -del[1],
-               -del[2]);
-  }
-}
-
 /* ---------------------------------------------------------------------- */
 
 void PairDCMContact::add_partner(tagint a, tagint b, double patch)
@@ -462,6 +367,45 @@ void PairDCMContact::add_partner(tagint a, tagint b, double patch)
     partner_list.back().area += patch;
   else
     partner_list.push_back({a, b, patch});
+}
+
+/* ----------------------------------------------------------------------
+   each pair of cells once; the order of a stable sort, so that sums repeat
+------------------------------------------------------------------------- */
+
+void PairDCMContact::merge_partners()
+{
+  std::stable_sort(partner_list.begin(), partner_list.end(),
+                   [](const Partner &p, const Partner &q) {
+                     return p.molecule != q.molecule ? p.molecule < q.molecule : p.other < q.other;
+                   });
+  size_t n = 0;
+  for (size_t m = 0; m < partner_list.size(); m++) {
+    if (n && partner_list[n - 1].molecule == partner_list[m].molecule &&
+        partner_list[n - 1].other == partner_list[m].other)
+      partner_list[n - 1].area += partner_list[m].area;
+    else
+      partner_list[n++] = partner_list[m];
+  }
+  partner_list.resize(n);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDCMContact::fail_pair(int i, int j, double overlap, double limit, double force)
+{
+  if (!std::isfinite(force) || !std::isfinite(overlap))
+    error->one(FLERR,
+               "Pair style dcm/contact: the contact of cells {} and {} (atoms {} and {}) has force "
+               "{} at step {}; coincident cells, or a timestep too large",
+               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], force,
+               update->ntimestep);
+  error->one(FLERR,
+             "Pair style dcm/contact: cells {} and {} run into each other: atoms {} and {} overlap "
+             "by {:.4} at step {}, more than {:.4}; reduce the timestep or fix dcm/motion maxmove, "
+             "give the cells a stiffer or tenser cortex, or raise keyword range",
+             atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
+             update->ntimestep, limit);
 }
 
 /* ----------------------------------------------------------------------

@@ -40,6 +40,14 @@ class PairDCMContact : public Pair {
     double area;
   };
 
+  // two spheres, the daughters of one cell, that a division left deep inside each other: their
+  // contact is held back (HeldJKR in dcm_jkr.h) until they have moved apart
+  struct Sisters {
+    tagint molecule, other;
+    double most = 0.0;     // largest repulsive force, 0: no limit
+    double scale = 1.0;    // factor on modulus and adhesion
+  };
+
   // of the last step on this rank
   struct Counters {
     bigint pairs = 0;             // pairs in the neighbor list
@@ -87,6 +95,16 @@ class PairDCMContact : public Pair {
   // half the distance of two spheres, or that to the plane of contact with a face
   const double *sphere_virial() const { return moment.data(); }
 
+  // the whole list of sisters, the same on all ranks, in any order: call it in init(), every run,
+  // and whenever the list or a value changes, before the forces of a step; empty: none, no cost
+  void set_sisters(const std::vector<Sisters> &);
+  const std::vector<Sisters> &sisters() const { return sister_list; }    // molecule < other, sorted
+
+  // collective, in the order of sisters(): force of the full law, neither softer nor limited, when
+  // forces were last computed; < 0: attraction, 0: apart, infinite: not computed since
+  // set_sisters()
+  std::vector<double> sister_forces() const;
+
   const Counters &counters() const { return count; }
   double h0() const { return h0_used; }
   double range() const { return range_used; }
@@ -102,17 +120,23 @@ class PairDCMContact : public Pair {
     int law = DMT, history = 0, points = 2, concave = 0, h0_auto = 1;
     double h0 = 0.35, rmax = 10.0;
     double range = 0.0, maxoverlap = 0.0;    // 0: choose
+    double growth = 0.0;                     // of radii, 0: choose
   } set;
   double h0_used = 0.0, range_used = 0.0, overlap_used = 0.0;
-  std::vector<double> face_radius;    // per type: largest face the neighbor list is laid out for
+  double own_cutoff = 0.0;         // ghost cutoff set here
+  double bin_edge = 0.0;           // mean edge, for the bins of types without contact
+  double face_reach = 0.0;         // largest face the ghost cutoff is laid out for
+  double sphere_growth = 0.0;      // growth of spheres the list is laid out for
+  double guessed = 0.0;            // 1: h0, range derived before there was any mesh
+  std::vector<double> laid_out;    // per type: TypeInfo::promise, 0: not yet
   bool warned_h0 = false;
 
   struct TypeInfo {
     bool used = false;       // has a cell type, not NULL
-    int kind = 0;            // the one kind its atoms have, 0: no atoms yet
+    int kind = 0;            // the one kind its atoms have, 0: no atoms yet, any may come
     bool active = false;     // its atoms take part in contacts
     double radius = 0.0;     // largest radius (contact range not included)
-    double promise = 0.0;    // largest radius the neighbor list is built for
+    double promise = 0.0;    // largest radius the neighbor list is built for (range included)
     double E = 0.0, nu = 0.0, gn = 0.0, gt = 0.0, a[4] = {0.0, 0.0, 0.0, 0.0};
   };
 
@@ -123,9 +147,12 @@ class PairDCMContact : public Pair {
   std::vector<TypeInfo> types;                // [1..ntypes]
   std::vector<dcm::ContactMaterial> table;    // class x class, class = 4 (type - 1) + region
   int nclass;
-  bool have_spheres, have_faces, any_apparent, use_history;
+  bool have_spheres, have_faces;        // at the start of the run
+  bool expect_new;                      // types without atoms may get some in the run
+  bool expect_spheres, expect_faces;    // at the start, or they may come in the run
+  bool any_apparent, use_history;
   bool want_stress, want_partners, want_blocks, want_virial = false;
-  double mean_edge, face_radius_max, own_cutoff;
+  double mean_edge, cell_radius;    // at the start of the run; largest deformable cell
   bigint built, checked_step, checked_atoms;
 
   // pairs of the neighbor list, sorted by kind at each rebuild
@@ -157,13 +184,19 @@ class PairDCMContact : public Pair {
   std::vector<dcm::ContactBlock> contacts;
   std::vector<dcm::EdgeBlock> spheres;
   std::vector<Partner> partner_list;
+  std::vector<Sisters> sister_list;
+  std::vector<double> sister_force;    // of the full law, on this rank
   Counters count;
   CommMode commmode;
 
   void allocate();
   void scan_types();
+  void expect_types();
+  void forget_layout();
+  std::vector<double *> kept();
   void measure_mesh();
   void choose_lengths();
+  void lay_out();
   void read_types();
   void exclude_types();
   void set_cutoff();
@@ -179,11 +212,18 @@ class PairDCMContact : public Pair {
   template <class State, int POINTS, bool HISTORY> void compute_faces();
   template <class State, int POINTS, bool HISTORY> void compute_mixed();
   void compute_moduli();
-  void compute_spheres(int);
+  template <bool SISTERS> void compute_spheres(int);
+  int find_sisters(tagint, tagint) const;
   void add_partner(tagint, tagint, double);
   void merge_partners();
   void check_start();
   void check_law(double);
+  bool may_be(const TypeInfo &info, int kind) const
+  {
+    return info.kind == kind || (info.active && info.kind == 0 && expect_new);
+  }
+  bool has_fix(const std::vector<std::string> &) const;
+  static double round_up(double);
   [[noreturn]] void fail_pair(int, int, double, double, double);
 };
 

@@ -8,7 +8,7 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-// pair style dcm/contact: settings, types, neighbor list and ghost cutoff, checks at the start
+// pair style dcm/contact: settings, types and their parameters, lengths
 
 #include "pair_dcm_contact.h"
 
@@ -23,7 +23,6 @@
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
-#include "neigh_request.h"
 #include "neighbor.h"
 #include "utils.h"
 
@@ -36,22 +35,22 @@ using namespace LAMMPS_NS;
 static const std::string STYLE = "Pair style dcm/contact";
 static constexpr int NREGION = AtomVecDCM::NREGION;
 
-// a face may grow by this factor within a run, a sphere only if something makes cells grow
-
-static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
-
 // in mean edge lengths: `h0 auto`, the limit of a resolved h0, default range (see the doc page)
 
 static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2, RANGE = 0.75;
+
+// mean edge of a mesh of 162 nodes, in radii of the cell
+
+static constexpr double EDGE = 0.3;
 
 /* ---------------------------------------------------------------------- */
 
 PairDCMContact::PairDCMContact(LAMMPS *lmp) :
     Pair(lmp), parameters(std::make_unique<DCMParameters>(lmp, STYLE)), dcm(nullptr),
     fix_cell(nullptr), fix_history(nullptr), nclass(0), have_spheres(false), have_faces(false),
-    any_apparent(false), use_history(false), want_stress(false), want_partners(false),
-    want_blocks(false), mean_edge(0.0), face_radius_max(0.0), own_cutoff(0.0), built(-1),
-    checked_step(-1), checked_atoms(-1), commmode(SUMS)
+    expect_new(false), expect_spheres(false), expect_faces(false), any_apparent(false),
+    use_history(false), want_stress(false), want_partners(false), want_blocks(false),
+    mean_edge(0.0), cell_radius(0.0), built(-1), checked_step(-1), checked_atoms(-1), commmode(SUMS)
 {
   AtomVecDCM::require(lmp, STYLE);
   single_enable = 0;
@@ -137,10 +136,14 @@ void PairDCMContact::settings(int narg, char **arg)
       now.range = parameters->number("range", text, DCMParameters::POSITIVE);
     } else if (key == "maxoverlap") {
       now.maxoverlap = parameters->number("maxoverlap", text, DCMParameters::POSITIVE);
+    } else if (key == "growth") {
+      now.growth = parameters->number("growth", text, DCMParameters::POSITIVE);
+      if (now.growth < 1.0)
+        error->all(FLERR, "{}: growth is {}, must be at least 1 (no growth)", STYLE, now.growth);
     } else {
       error->all(FLERR,
                  "{}: unknown keyword {}; known: law branch points h0 rmax range concave "
-                 "maxoverlap",
+                 "maxoverlap growth",
                  STYLE, key);
     }
   }
@@ -148,8 +151,19 @@ void PairDCMContact::settings(int narg, char **arg)
     error->all(FLERR, "{}: branch history is for law maugis; law dmt has no neck to remember",
                STYLE);
   if (now.h0_auto != set.h0_auto || now.h0 != set.h0) h0_used = 0.0;
-  if (now.range != set.range || h0_used == 0.0) range_used = 0.0;
+  bool anew = now.growth != set.growth;
+  if (range_used > 0.0 && (now.range != set.range || h0_used == 0.0)) {
+    range_used = 0.0;
+    anew = true;
+  }
+  if (anew) forget_layout();
   set = now;
+}
+
+void PairDCMContact::forget_layout()
+{
+  laid_out.clear();
+  bin_edge = face_reach = sphere_growth = 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -188,15 +202,17 @@ void PairDCMContact::init_style()
   // others ask for these in their init(), which comes later
 
   want_stress = want_partners = want_virial = false;
+  set_sisters({});
   want_blocks = !modify->get_fix_by_style("^dcm/motion").empty();
   built = -1;
 
   scan_types();
+  expect_types();
   fix_cell = nullptr;
-  if (have_faces || !modify->get_fix_by_style("^dcm/cell$").empty())
-    fix_cell = FixDCMCell::require(lmp, STYLE);
+  if (have_faces || has_fix({"cell$"})) fix_cell = FixDCMCell::require(lmp, STYLE);
   measure_mesh();
   choose_lengths();
+  lay_out();
   read_types();
   if (fix_cell) {
     fix_cell->request_curvature();
@@ -219,6 +235,8 @@ void PairDCMContact::scan_types()
   int nomolecule = 0;
   for (int i = 0; i < atom->nlocal; i++) {
     seen[atom->type[i]] |= 1 << dcm->kind[i];
+    if (dcm->kind[i] == AtomVecDCM::CENTER)
+      radius[0] = std::max(radius[0], std::cbrt(0.75 / dcm::PI * dcm->volume0[i]));
     if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
     radius[atom->type[i]] = std::max(radius[atom->type[i]], atom->radius[i]);
     if (atom->molecule[i] == 0) nomolecule = 1;
@@ -231,6 +249,7 @@ void PairDCMContact::scan_types()
                STYLE);
 
   static const char *const names[] = {"none", "sphere", "center", "node", "face", "tracer"};
+  cell_radius = radius[0];
   have_spheres = have_faces = false;
   types.assign(ntypes + 1, TypeInfo());
   for (int t = 1; t <= ntypes; t++) {
@@ -254,11 +273,37 @@ void PairDCMContact::scan_types()
 }
 
 /* ----------------------------------------------------------------------
-   h0 and range, chosen once: a mesh that grows must not change them between
-   runs. Rounded, so that they do not depend on the number of ranks.
+   what may come in this run: where something makes cells or changes their
+   kind, types without atoms may get faces (not without a fix dcm/cell) or
+   spheres
 ------------------------------------------------------------------------- */
 
-static double round_up(double value)
+void PairDCMContact::expect_types()
+{
+  expect_new = has_fix({"division", "cycle", "conver"}) &&
+               std::any_of(types.begin(), types.end(), [](const TypeInfo &info) {
+                 return info.active && info.kind == 0;
+               });
+  expect_faces = have_faces || (expect_new && has_fix({"cell$"}));
+  expect_spheres = have_spheres || expect_new;
+}
+
+bool PairDCMContact::has_fix(const std::vector<std::string> &names) const
+{
+  // one by one: patterns of LAMMPS know no alternatives
+  return std::any_of(names.begin(), names.end(), [this](const std::string &name) {
+    return !modify->get_fix_by_style("^dcm/" + name).empty();
+  });
+}
+
+/* ----------------------------------------------------------------------
+   h0 and range, chosen once: a mesh that grows must not change them between
+   runs. Rounded, so that they do not depend on the number of ranks. For cells
+   that come in the run, a guess: kept if they do, made good if the deck makes
+   them before the next run.
+------------------------------------------------------------------------- */
+
+double PairDCMContact::round_up(double value)
 {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
   return std::ceil(value / unit - 1.0e-6) * unit;
@@ -267,10 +312,17 @@ static double round_up(double value)
 void PairDCMContact::choose_lengths()
 {
   std::string chosen;
-  if (!have_faces) {
+  if (!expect_faces) {
     // nothing to derive lengths from yet; spheres use neither
     if (h0_used == 0.0) overlap_used = 0.0;
     return;
+  }
+  if (!have_faces) {
+    for (const auto &info : types)
+      if (info.kind == AtomVecDCM::SPHERE) mean_edge = std::max(mean_edge, EDGE * info.radius);
+  } else if (guessed != 0.0) {
+    h0_used = range_used = guessed = 0.0;
+    forget_layout();
   }
   if (h0_used == 0.0) {
     h0_used = set.h0;
@@ -280,7 +332,7 @@ void PairDCMContact::choose_lengths()
   if (range_used == 0.0) {
     range_used = set.range;
     if (range_used == 0.0) {
-      range_used = std::max(round_up(RANGE * mean_edge), round_up(2.0 * h0_used));
+      range_used = round_up(std::max(RANGE * mean_edge, 2.0 * h0_used));
       chosen += fmt::format(", range {:.6g}", range_used);
     }
   }
@@ -289,8 +341,11 @@ void PairDCMContact::choose_lengths()
     error->all(FLERR, "{}: range is {}, must not be below h0 ({}) and maxoverlap ({})", STYLE,
                range_used, h0_used, overlap_used);
   if (!chosen.empty() && comm->me == 0)
-    utils::logmesg(lmp, "{}: mean edge {:.6g}{}\n", STYLE, mean_edge, chosen);
-  if (!warned_h0 && h0_used < H0_RESOLVED * mean_edge) {
+    utils::logmesg(lmp, "{}: {} {:.6g}{}\n", STYLE,
+                   have_faces ? "mean edge" : "no faces yet, mean edge taken as", mean_edge,
+                   chosen);
+  if (!chosen.empty() && !have_faces) guessed = 1.0;
+  if (!warned_h0 && have_faces && h0_used < H0_RESOLVED * mean_edge) {
     warned_h0 = true;
     if (comm->me == 0)
       error->warning(FLERR,
@@ -309,15 +364,9 @@ void PairDCMContact::choose_lengths()
 void PairDCMContact::read_types()
 {
   const int ntypes = atom->ntypes;
-  const bool growing = !modify->get_fix_by_style("^dcm/(growth|division|cycle)").empty();
-  double largest = 0.0;
   any_apparent = false;
   for (int t = 1; t <= ntypes; t++) {
     TypeInfo &info = types[t];
-    if (info.kind == AtomVecDCM::FACE) info.promise = FACE_GROWTH * info.radius + 0.5 * range_used;
-    if (info.kind == AtomVecDCM::SPHERE)
-      info.promise = (growing ? SPHERE_GROWTH : 1.0) * info.radius;
-    largest = std::max(largest, info.promise);
     if (!info.active) continue;
     info.E = parameters->get(t, "E_contact", DCMParameters::POSITIVE);
     info.nu = parameters->get(t, "nu_contact", DCMParameters::ANY);
@@ -328,15 +377,17 @@ void PairDCMContact::read_types()
     info.gt = parameters->get(t, "friction_tangential", DCMParameters::NONNEGATIVE, 0.0);
     for (int k = 0; k < 4; k++) {
       info.a[k] = parameters->get(t, fmt::format("a{}", k + 1), DCMParameters::ANY, 0.0);
-      if (info.kind == AtomVecDCM::SPHERE && info.a[k] != 0.0) any_apparent = true;
+      const bool sphere = info.kind == AtomVecDCM::SPHERE || (info.kind == 0 && expect_spheres);
+      if (sphere && info.a[k] != 0.0) any_apparent = true;
     }
   }
-  for (int t = 1; t <= ntypes; t++)
-    if (types[t].active && types[t].kind == 0) types[t].promise = largest;
 
   nclass = NREGION * ntypes;
   table.assign((size_t) nclass * nclass, dcm::ContactMaterial());
   double neck = 0.0;
+  auto sphere = [this](const TypeInfo &info) {
+    return info.promise - (info.kind ? 0.0 : 0.5 * range_used);    // as lay_out() has it
+  };
   for (int s = 1; s <= ntypes; s++)
     for (int t = 1; t <= ntypes; t++) {
       const TypeInfo &a = types[s], &b = types[t];
@@ -349,8 +400,9 @@ void PairDCMContact::read_types()
           m.h0 = h0_used > 0.0 ? h0_used : set.h0;
           m.gn = 0.5 * (a.gn + b.gn);
           m.gt = 0.5 * (a.gt + b.gt);
-          if (p || q || a.kind != AtomVecDCM::SPHERE || b.kind != AtomVecDCM::SPHERE) continue;
-          const dcm::JKR jkr = {m.E, dcm::effective_radius(a.promise, b.promise), m.W};
+          if (p || q || !may_be(a, AtomVecDCM::SPHERE) || !may_be(b, AtomVecDCM::SPHERE)) continue;
+          const double R = dcm::effective_radius(sphere(a), sphere(b));
+          const dcm::JKR jkr = {m.E, R, m.W};
           neck = std::max(neck, -jkr.pull_off_displacement());
         }
     }
@@ -361,99 +413,28 @@ void PairDCMContact::read_types()
                STYLE, neck, neighbor->skin, round_up(neck));
 }
 
-/* ----------------------------------------------------------------------
-   keep what never touches out of the neighbor list
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
-void PairDCMContact::exclude_types()
+void *PairDCMContact::extract(const char *name, int &dim)
 {
-  const bool tracers = !modify->get_fix_by_style("^dcm/tracer").empty();
-  auto meets = [&](const TypeInfo &a, const TypeInfo &b) {
-    if (a.active && b.active) return true;
-    if (!tracers) return false;
-    return (a.kind == AtomVecDCM::TRACER && (b.kind == AtomVecDCM::FACE || b.kind == 0)) ||
-           (b.kind == AtomVecDCM::TRACER && (a.kind == AtomVecDCM::FACE || a.kind == 0));
-  };
-
-  std::vector<std::pair<int, int>> now;
-  for (int n = 0; n < neighbor->nex_type; n++)
-    now.emplace_back(std::minmax(neighbor->ex1_type[n], neighbor->ex2_type[n]));
-  for (int s = 1; s <= atom->ntypes; s++)
-    for (int t = s; t <= atom->ntypes; t++) {
-      const bool excluded = std::find(now.begin(), now.end(), std::make_pair(s, t)) != now.end();
-      const bool wanted = meets(types[s], types[t]);
-      if (excluded && wanted)
-        error->all(FLERR,
-                   "{}: types {} and {} are to interact but excluded from the neighbor list; add "
-                   "'neigh_modify exclude none' before the run",
-                   STYLE, s, t);
-      if (!excluded && !wanted) neighbor->modify_params(fmt::format("exclude type {} {}", s, t));
-    }
-
-  bool molecules = false;
-  for (int n = 0; n < neighbor->nex_mol; n++)
-    if (neighbor->ex_mol_group[n] == 0 && neighbor->ex_mol_intra[n]) molecules = true;
-  if (!molecules && have_faces) neighbor->modify_params("exclude molecule/intra all");
+  dim = 0;
+  if (strcmp(name, "h0") == 0) return &h0_used;
+  if (strcmp(name, "range") == 0) return &range_used;
+  return nullptr;
 }
 
-/* ----------------------------------------------------------------------
-   ghosts must reach as far as the list plus the vertices of the last face in
-   it. A deck that sets no cutoff gets this one.
-------------------------------------------------------------------------- */
-
-void PairDCMContact::set_cutoff()
+double PairDCMContact::memory_usage()
 {
-  double pair = 0.0;
-  for (const auto &info : types)
-    if (info.active) pair = std::max(pair, 2.0 * info.promise);
-  const double need = round_up(pair + neighbor->skin + FACE_GROWTH * face_radius_max);
-  const double before = own_cutoff;
-  own_cutoff = need;
-  if (!have_faces || comm->mode != Comm::SINGLE) return;
-
-  // 0: not set by the deck; equal: set here in an earlier run
-
-  if (comm->cutghostuser == 0.0 || comm->cutghostuser == before) {
-    comm->cutghostuser = need;
-    if (comm->me == 0 && need != before)
-      utils::logmesg(lmp, "{}: ghost cutoff set to {:.6g}\n", STYLE, need);
-  } else if (comm->cutghostuser < need) {
-    error->all(FLERR,
-               "{}: the ghost cutoff {:.6g} is too small, some faces would miss their vertices; "
-               "set 'comm_modify cutoff {:.6g}' or remove that command",
-               STYLE, comm->cutghostuser, need);
-  }
-}
-
-/* ----------------------------------------------------------------------
-   who has touched whom: spheres always, faces only with branch history
-------------------------------------------------------------------------- */
-
-void PairDCMContact::setup_history()
-{
-  use_history = have_spheres || set.history;
-  neighbor->add_request(this, use_history ? NeighConst::REQ_SIZE | NeighConst::REQ_HISTORY
-                                          : NeighConst::REQ_SIZE);
-  if (use_history && !fix_history) {
-    fix_history = dynamic_cast<FixNeighHistory *>(
-        modify->replace_fix("NEIGH_HISTORY_DCM_DUMMY", "NEIGH_HISTORY_DCM all NEIGH_HISTORY 1", 1));
-    fix_history->pair = this;
-  }
-}
-
-/* ----------------------------------------------------------------------
-   types that never interact with others get a small length of their own, for
-   the bins of neighbor style multi (0 would make one bin of the box)
-------------------------------------------------------------------------- */
-
-double PairDCMContact::init_one(int i, int j)
-{
-  if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
-  if (types[i].active && types[j].active) return types[i].promise + types[j].promise;
-  const bool tracer_face =
-      (types[i].kind == AtomVecDCM::TRACER && types[j].kind == AtomVecDCM::FACE) ||
-      (types[j].kind == AtomVecDCM::TRACER && types[i].kind == AtomVecDCM::FACE);
-  if (tracer_face && !modify->get_fix_by_style("^dcm/tracer").empty())
-    return types[i].promise + types[j].promise;
-  return i == j ? mean_edge : 0.0;
+  double bytes = Pair::memory_usage();
+  bytes += (double) (face_pairs.capacity() + mixed_pairs.capacity() + sphere_pairs.capacity()) *
+           sizeof(FacePair);
+  bytes += (double) (face_touch.capacity() + mixed_touch.capacity() + sphere_touch.capacity()) *
+           sizeof(int *);
+  bytes += (double) geometry.capacity() * sizeof(dcm::FaceGeometry);
+  bytes += (double) (area.capacity() + stress.capacity() + moment.capacity() + modulus.capacity()) *
+           sizeof(double);
+  bytes += (double) contacts.capacity() * sizeof(dcm::ContactBlock);
+  bytes += (double) spheres.capacity() * sizeof(dcm::EdgeBlock);
+  bytes += (double) table.capacity() * sizeof(dcm::ContactMaterial);
+  return bytes;
 }

@@ -78,6 +78,7 @@ CONTACT = {
     "range": ("range 0", "", "range is 0.*positive"),
     "range below h0": ("h0 0.2 range 0.1", "", "range is 0.1.*below h0"),
     "maxoverlap": ("maxoverlap -1", "", "maxoverlap is -1.*positive"),
+    "growth": ("growth 0.9", "", "growth is 0.9.*at least 1"),
 }
 
 

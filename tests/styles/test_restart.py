@@ -132,3 +132,71 @@ def test_data_file_alone_takes_the_shape_as_rest_state(lmp, scenes):
     )
     row = read.thermo[0]
     assert abs(row["E_bond"]) < 1e-20 and abs(row["E_dihed"]) < 1e-12
+
+
+# --- what the neighbor list is laid out for -------------------------------------------------------
+
+
+def spheres_that_grow(scene, scenes, contact="growth 1.3"):
+    return (
+        f"pair_style dcm/contact {contact}\npair_coeff * * {scene.map}\nneighbor 0.6 multi\n"
+        + fixes(scene)
+        + "group balls type 4\n"
+        + scenes.dump(COLUMNS, 25)
+    )
+
+
+GROW = "set group balls diameter 11\nrun {} pre no\n"  # in a run that was set up for 10
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+def test_restart_after_growth_is_bit_for_bit(lmp, scenes, np_):
+    """The list stays laid out for what the first run promised, also after a restart."""
+    scene = scene_of(scenes, "p p p")
+    processors = "processors * 1 1\n"
+    whole = lmp(
+        processors
+        + scene.head()
+        + scene.cortex()
+        + spheres_that_grow(scene, scenes)
+        + "restart 25 r.*\nrun 25\n"
+        + GROW.format(75),
+        np=np_,
+    )
+    rest = lmp(
+        processors
+        + "read_restart r.50\n"
+        + spheres_that_grow(scene, scenes)
+        + "restart 25 r.*\nrun 50\n",
+        np=np_,
+        files={"r.50": whole.path / "r.50"},
+    )
+    assert "laid out for" not in rest.log and "ghost cutoff set" not in rest.log
+    expected, found = whole.dump()[-3:], rest.dump()
+    assert [frame.step for frame in found] == [50, 75, 100]
+    assert found[-1]["radius"].max() == 5.5
+    for a, b in zip(expected, found, strict=True):
+        for name in COLUMNS.split():
+            if name[0] == "f" and a.step == 50:
+                continue  # motility acts once a step, not in setup
+            assert np.array_equal(a[name], b[name]), (a.step, name)
+
+
+def test_growth_beyond_the_promise(lmp, scenes):
+    """An error that says what to do; between runs the list is laid out anew, and the log tells."""
+    scene = scene_of(scenes, "p p p")
+    head = scene.head() + scene.cortex()
+    deck = head + spheres_that_grow(scene, scenes, "growth 1.05") + "restart 10 r.*\nrun 20\n"
+    result = lmp.run(deck + GROW.format(20))
+    assert result.returncode != 0
+    assert "Pair style dcm/contact: the sphere" in result.error
+    assert "beyond the 5.25 that the neighbor list is laid out for" in result.error
+    assert "'pair_style dcm/contact ... growth 1.312'" in result.error
+
+    files = {"r.20": result.path / "r.20"}
+    deck = "read_restart r.20\n" + spheres_that_grow(scene, scenes, "growth 1.312")
+    lmp(deck + "run 0\n" + GROW.format(20), files=files)
+
+    deck = head + spheres_that_grow(scene, scenes, "") + "run 2\nset group balls diameter 11\n"
+    result = lmp(deck + "run 2\n")
+    assert "atom type 4 up to 5.5, neighbor list laid out for 5.5 (before 5)" in result.log

@@ -1,6 +1,7 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// JKR contact: pull-off, inverse, limits, energy, and the published form of LAMMPS' granular jkr.
+// JKR contact: pull-off, inverse, limits, energy, the published form of LAMMPS' granular jkr, and
+// the contact held back between sister cells.
 
 #include "dcm_jkr.h"
 #include "helpers.h"
@@ -113,6 +114,100 @@ TEST(Jkr, ForceIsDerivativeOfEnergy)
     const double slope = (jkr.energy(delta + h) - jkr.energy(delta - h)) / (2.0 * h);
     EXPECT_NEAR(slope / jkr.force(delta), 1.0, 1.0e-6);
   }
+}
+
+TEST(Jkr, RadiusInvertsForce)
+{
+  for (const JKR &jkr : pairs)
+    for (double delta : {0.0, 0.01 * jkr.R, 0.5 * jkr.R, 3.0 * jkr.R}) {
+      const double a = jkr.contact_radius(delta);
+      EXPECT_NEAR(jkr.radius_of_force(jkr.force_of_radius(a)) / a, 1.0, 1.0e-11);
+    }
+  EXPECT_EQ((JKR{2.0, 3.0, 0.0}).radius_of_force(0.0), 0.0);
+  // the branch ends at pull-off
+  const JKR &jkr = pairs[0];
+  EXPECT_NEAR(jkr.radius_of_force(jkr.pull_off_force()) /
+                  jkr.contact_radius(jkr.pull_off_displacement()),
+              1.0, 1.0e-6);
+}
+
+TEST(HeldJkr, ScaleIsJkrOfASofterPair)
+{
+  for (const JKR &jkr : pairs)
+    for (double scale : {1.0e-3, 0.3, 1.0}) {
+      const HeldJKR held{jkr, scale, 0.0};
+      const JKR soft{scale * jkr.E, jkr.R, scale * jkr.sigma};
+      const double d = jkr.pull_off_displacement();
+      EXPECT_NEAR(soft.pull_off_displacement() / d, 1.0, 1.0e-14);
+      for (double s : {0.0, 0.2, 1.0, 3.0}) {
+        const double delta = d + s * (jkr.R - d);
+        const double unit = scale * std::fabs(jkr.pull_off_force());
+        EXPECT_NEAR(soft.contact_radius(delta) / jkr.contact_radius(delta), 1.0, 1.0e-12);
+        EXPECT_NEAR(held.force(delta), soft.force(delta),
+                    1.0e-11 * (unit + std::fabs(soft.force(delta))));
+        EXPECT_NEAR(held.energy(delta), soft.energy(delta),
+                    1.0e-11 * (unit * jkr.R + std::fabs(soft.energy(delta))));
+      }
+    }
+}
+
+TEST(HeldJkr, NothingHeldIsTheFullLaw)
+{
+  for (const JKR &jkr : pairs)
+    for (double s : {-0.5, 0.0, 0.1, 1.0, 2.0}) {
+      const double delta = s < 0.0 ? 0.5 * jkr.pull_off_displacement() : s * jkr.R;
+      const HeldJKR none{jkr, 1.0, 0.0}, far{jkr, 1.0, 1.0e3 * jkr.E * jkr.R * jkr.R};
+      EXPECT_EQ(none.force(delta), jkr.force(delta));
+      EXPECT_EQ(none.energy(delta), jkr.energy(delta));
+      EXPECT_EQ(none.part_of_radius(jkr.contact_radius(delta)), 1.0);
+      EXPECT_EQ(far.force(delta), jkr.force(delta));
+      EXPECT_EQ(far.energy(delta), jkr.energy(delta));
+    }
+}
+
+TEST(HeldJkr, LimitOfTheForce)
+{
+  for (const JKR &jkr : {pairs[0], pairs[1], JKR{2.0, 3.0, 0.0}})
+    for (double scale : {1.0, 0.25}) {
+      const double cap = 0.3 * scale * jkr.force(0.5 * jkr.R);
+      const HeldJKR held{jkr, scale, cap};
+      const double begin = jkr.overlap_of_radius(jkr.radius_of_force(cap / scale));
+      ASSERT_GT(begin, 0.0);
+      ASSERT_LT(begin, 0.5 * jkr.R);
+
+      // the full law below, the limit above, and no step between
+      EXPECT_EQ(held.force(0.9 * begin), scale * jkr.force(0.9 * begin));
+      EXPECT_EQ(held.force(1.1 * begin), cap);
+      EXPECT_EQ(held.force(3.0 * jkr.R), cap);
+      const double near = 1.0e-9 * begin;
+      EXPECT_NEAR(held.force(begin - near) / cap, 1.0, 1.0e-8);
+      EXPECT_NEAR(held.force(begin + near) / cap, 1.0, 1.0e-8);
+      EXPECT_NEAR(held.energy(begin + near), held.energy(begin - near), 3.0 * near * cap);
+
+      // attraction is not limited
+      const double d = 0.9 * jkr.pull_off_displacement();
+      EXPECT_EQ(held.force(d), scale * jkr.force(d));
+
+      // and the part left times the full force is the force
+      for (double delta : {0.5 * begin, 2.0 * begin}) {
+        const double a = jkr.contact_radius(delta);
+        EXPECT_NEAR(held.part_of_radius(a) * jkr.force(delta), held.force(delta), 1.0e-14 * cap);
+      }
+    }
+}
+
+TEST(HeldJkr, ForceIsDerivativeOfEnergy)
+{
+  for (double scale : {1.0, 0.25})
+    for (double most : {0.0, 0.1, 0.5}) {
+      const JKR jkr = pairs[0];
+      const HeldJKR held{jkr, scale, most};
+      const double d = jkr.pull_off_displacement(), h = 1.0e-5;
+      for (double delta : {0.9 * d, 0.5 * d, 0.01, 0.05, 0.2, 0.5, 1.0, 4.0}) {
+        const double slope = (held.energy(delta + h) - held.energy(delta - h)) / (2.0 * h);
+        EXPECT_NEAR(slope, held.force(delta), 1.0e-6 * std::fabs(held.force(delta)) + 1.0e-9);
+      }
+    }
 }
 
 TEST(Jkr, AgreesWithTheFormOfPairGranular)
