@@ -41,6 +41,16 @@ static const char STYLE[] = "Fix dcm/division";
 
 static constexpr double SOFTEST = 1.0e-3;
 
+// Sums differ in their last bits with the number of ranks, and a minimization makes micrometers out
+// of them. The mother's shape is therefore rounded, to this part of its size, before it divides.
+
+static constexpr double ROUNDING = 0x1p-32;
+
+static double rounded(double value, double unit)
+{
+  return unit * std::round(value / unit);
+}
+
 static double sphere_volume(double radius)
 {
   return 4.0 / 3.0 * dcm::PI * radius * radius * radius;
@@ -302,9 +312,12 @@ FixDCMDivision::Job FixDCMDivision::prepare(DCMSurgery &surgery, const DCMSurger
 {
   Job job = {};
   job.mother = mother;
+  const double unit = ROUNDING * std::exp2(std::round(std::log2(mother.volume0) / 3.0));
+  for (Vec3 &x : job.mother.mesh.nodes)
+    for (double &xk : x) xk = rounded(xk, unit);
   job.round = &round_mesh(surgery, mother.mesh.nodes.size());
-  job.volume = dcm::volume(mother.mesh);
-  job.plane = dcm::halving_plane(mother.mesh, axis_of(mother));
+  job.volume = dcm::volume(job.mother.mesh);
+  job.plane = dcm::halving_plane(job.mother.mesh, axis_of(job.mother));
 
   auto *const cortex = dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex"));
   auto *const bend = dynamic_cast<DihedralDCMBend *>(force->dihedral_match("dcm/bend"));
@@ -326,7 +339,8 @@ FixDCMDivision::Job FixDCMDivision::prepare(DCMSurgery &surgery, const DCMSurger
   const double length = sum / mother.l0.size() / growth->find(mother.molecule)->length;
   const dcm::Mesh &round = job.round->mesh;
   const double edge = dcm::mean_edge(round) * std::cbrt(mother.volume0 / dcm::volume(round));
-  job.rest = length / edge * std::sqrt((double) mother.mesh.faces.size() / round.faces.size());
+  job.rest = rounded(
+      length / edge * std::sqrt((double) mother.mesh.faces.size() / round.faces.size()), ROUNDING);
   return job;
 }
 
