@@ -15,6 +15,7 @@
 #include "dcm_gather.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
+#include "fix_dcm_growth.h"
 #include "force.h"
 #include "math_const.h"
 #include "memory.h"
@@ -33,8 +34,9 @@ static const std::string STYLE = "Compute dcm/cell";
 // as enum Value
 
 static const std::vector<std::string> NAMES = {
-    "volume", "volume0", "area",         "pressure",  "x",         "y",    "z",       "vx",
-    "vy",     "vz",      "contact_area", "free_area", "neighbors", "kind", "molecule"};
+    "volume",   "volume0", "area",       "pressure",     "x",         "y",         "z",
+    "vx",       "vy",      "vz",         "contact_area", "free_area", "neighbors", "kind",
+    "molecule", "mother",  "generation", "birth",        "phase",     "progress"};
 
 static constexpr int NSUM = 5;    // per deformable cell: contact area, free area, velocity
 
@@ -44,7 +46,7 @@ static constexpr int NSUM = 5;    // per deformable cell: contact area, free are
 
 ComputeDCMCell::ComputeDCMCell(LAMMPS *lmp, int narg, char **arg) :
     Compute(lmp, narg, arg), want_velocity(false), want_area(false), want_neighbors(false), nmax(0),
-    dcm(nullptr), cell(nullptr), contact(nullptr), has_volume(false)
+    dcm(nullptr), cell(nullptr), contact(nullptr), growth(nullptr), has_volume(false)
 {
   AtomVecDCM::require(lmp, STYLE);
   const std::string known = utils::join_words(NAMES, " ");
@@ -91,6 +93,11 @@ void ComputeDCMCell::init()
   if (any || !modify->get_fix_by_style("^dcm/cell$").empty())
     cell = FixDCMCell::require(lmp, STYLE);
   has_volume = !modify->get_fix_by_style("^dcm/volume$").empty();
+
+  growth = nullptr;
+  for (int value : columns)
+    if (value >= MOTHER)
+      growth = FixDCMGrowth::require(lmp, fmt::format("{}: value {}", STYLE, NAMES[value]));
 
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   if (contact) {
@@ -190,6 +197,28 @@ double ComputeDCMCell::sphere_pressure(int i) const
 }
 
 /* ----------------------------------------------------------------------
+   one value of a cell from the book of fix dcm/growth; 0 for a cell that is not in it
+------------------------------------------------------------------------- */
+
+double ComputeDCMCell::cycle_value(tagint molecule, int value) const
+{
+  const auto *const it = growth->find(molecule);
+  if (!it) return 0.0;
+  switch (value) {
+    case MOTHER:
+      return (double) it->mother;
+    case GENERATION:
+      return it->generation;
+    case BIRTH:
+      return it->birth;
+    case PHASE:
+      return it->phase;
+    default:
+      return it->progress;
+  }
+}
+
+/* ----------------------------------------------------------------------
    one value of the deformable cell whose center is atom i
 ------------------------------------------------------------------------- */
 
@@ -223,8 +252,10 @@ double ComputeDCMCell::cell_value(int i, int value) const
       return neighbors_of(it.molecule);
     case KIND:
       return dcm->kind[i];
-    default:
+    case MOLECULE:
       return (double) it.molecule;
+    default:
+      return cycle_value(it.molecule, value);
   }
 }
 
@@ -259,8 +290,10 @@ double ComputeDCMCell::sphere_value(int i, int value) const
       return neighbors_of(atom->molecule[i]);
     case KIND:
       return dcm->kind[i];
-    default:
+    case MOLECULE:
       return (double) atom->molecule[i];
+    default:
+      return cycle_value(atom->molecule[i], value);
   }
 }
 

@@ -53,7 +53,12 @@ class ComputeDCMCell : public Compute {
     FREE_AREA,
     NEIGHBORS,
     KIND,
-    MOLECULE
+    MOLECULE,
+    MOTHER,
+    GENERATION,
+    BIRTH,
+    PHASE,
+    PROGRESS
   };
 
   std::vector<int> columns;    // a Value each
@@ -63,6 +68,7 @@ class ComputeDCMCell : public Compute {
   struct DCMAtoms *dcm;
   class FixDCMCell *cell;           // nullptr: no deformable cells
   class PairDCMContact *contact;    // nullptr: no such pair style
+  class FixDCMGrowth *growth;       // nullptr: no value of the cell cycle asked for
   bool has_volume;                  // a fix dcm/volume sets pressures
 
   std::vector<double> cell_sums;                        // per deformable cell, see sum_cells()
@@ -74,6 +80,7 @@ class ComputeDCMCell : public Compute {
   double neighbors_of(tagint) const;
   double sphere_volume(int) const;
   double sphere_pressure(int) const;
+  double cycle_value(tagint, int) const;
   double cell_value(int, int) const;
   double sphere_value(int, int) const;
 };

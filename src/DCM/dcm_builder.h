@@ -31,6 +31,12 @@ class DCMBuilder : protected Pointers {
     int center = 0, node = 0, face = 0, bond = 0, dihedral = 0;
   };
 
+  // groups of the atoms of a cell; a center-based one uses center only
+
+  struct Masks {
+    int center = 1, node = 1, face = 1;
+  };
+
   // a closed mesh and how its edges are shared out among the nodes that store them
 
   struct Topology {
@@ -49,8 +55,8 @@ class DCMBuilder : protected Pointers {
 
   struct Deformable {
     tagint molecule = 0, tag = 0;    // tag: of the center; nodes and faces follow
-    int mask = 1;                    // groups
-    double volume0 = 0.0;            // rest volume
+    Masks mask;
+    double volume0 = 0.0;    // rest volume
     double v[3] = {0.0, 0.0, 0.0};
     std::vector<dcm::Vec3> x;          // node positions, unwrapped
     std::vector<double> l0, theta0;    // rest length and angle per hinge

@@ -19,8 +19,25 @@ struct Ball {
   double radius;
 };
 
-/// A plane is moved outward if it comes closer to the center than this part of the radius.
-constexpr double SHAPE_NEAREST = 0.5;
+/// A cell with a plane nearer than this part of its radius has too little room to be shaped: it
+/// lies deep inside a neighbor, as a sister does right after a division.
+constexpr double SHAPE_NEAREST = 0.7;
+
+/// Distance of the plane of equal power to `other` from the center of `cell`, um; negative if the
+/// center is on its far side.
+inline double power_plane(const Ball &cell, const Ball &other)
+{
+  const double d = (other.x - cell.x).norm();
+  return d > 0.0 ? 0.5 * (d + (cell.radius * cell.radius - other.radius * other.radius) / d) : 0.0;
+}
+
+/// Is there room for fit_between()?
+inline bool has_room(const Ball &cell, const std::vector<Ball> &neighbors)
+{
+  return std::all_of(neighbors.begin(), neighbors.end(), [&](const Ball &other) {
+    return power_plane(cell, other) >= SHAPE_NEAREST * cell.radius;
+  });
+}
 
 namespace shape_detail {
 
@@ -40,7 +57,7 @@ namespace shape_detail {
 /// Nodes of `round` (closed mesh about the origin), drawn out to the surface of `cell` cut by the
 /// planes of equal power to its neighbors, then scaled so that the mesh has `volume` (um^3). The
 /// ball's radius grows until the cut one has that volume, at most by half; what is still missing
-/// is made up by scaling.
+/// is made up by scaling. Needs has_room().
 inline std::vector<Vec3> fit_between(const Ball &cell, double volume,
                                      const std::vector<Ball> &neighbors, const Mesh &round)
 {
@@ -49,9 +66,7 @@ inline std::vector<Vec3> fit_between(const Ball &cell, double volume,
     const Vec3 d = other.x - cell.x;
     const double length = d.norm();
     if (!(length > 0.0) || length > 1.5 * cell.radius + other.radius) continue;
-    const double at =
-        0.5 * (length + (cell.radius * cell.radius - other.radius * other.radius) / length);
-    planes.emplace_back(d / length, std::max(SHAPE_NEAREST * cell.radius, at));
+    planes.emplace_back(d / length, power_plane(cell, other));
   }
 
   Mesh mesh = round;

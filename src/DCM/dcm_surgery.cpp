@@ -114,18 +114,19 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
       switch (part.kind) {
         case AtomVecDCM::CENTER:
           cell.types.center = part.type;
-          cell.mask = part.mask;
+          cell.masks.center = part.mask;
           cell.volume0 = part.size;
           break;
         case AtomVecDCM::SPHERE:
           cell.types.center = part.type;
-          cell.mask = part.mask;
+          cell.masks.center = part.mask;
           cell.radius = part.size;
           cell.x = x;
           cell.v = v;
           break;
         case AtomVecDCM::NODE:
           cell.types.node = part.type;
+          cell.masks.node = part.mask;
           node[part.tag] = (int) cell.mesh.nodes.size();
           cell.mesh.nodes.push_back(x);
           cell.v += v;
@@ -133,6 +134,7 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
           break;
         case AtomVecDCM::FACE:
           cell.types.face = part.type;
+          cell.masks.face = part.mask;
           cell.region.push_back(part.region);
           faces.push_back(&part);
           break;
@@ -156,6 +158,28 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
     cells.push_back(std::move(cell));
   }
   return cells;
+}
+
+/* ---------------------------------------------------------------------- */
+
+DCMBuilder::Masks DCMSurgery::masks_like(const DCMBuilder::Types &types, int otherwise) const
+{
+  const int type[3] = {types.center, types.node, types.face};
+  tagint lowest[3] = {MAXTAGINT, MAXTAGINT, MAXTAGINT}, first[3];
+  int mask[3] = {0, 0, 0};
+  for (int i = 0; i < atom->nlocal; i++)
+    for (int k = 0; k < 3; k++)
+      if (atom->type[i] == type[k] && atom->tag[i] < lowest[k]) {
+        lowest[k] = atom->tag[i];
+        mask[k] = atom->mask[i];
+      }
+  MPI_Allreduce(lowest, first, 3, MPI_LMP_TAGINT, MPI_MIN, world);
+  for (int k = 0; k < 3; k++)
+    if (first[k] != lowest[k]) mask[k] = 0;
+  MPI_Allreduce(MPI_IN_PLACE, mask, 3, MPI_INT, MPI_BOR, world);
+  for (int &m : mask)
+    if (m == 0) m = otherwise;
+  return {mask[0], mask[1], mask[2]};
 }
 
 /* ----------------------------------------------------------------------

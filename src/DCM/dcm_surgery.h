@@ -35,7 +35,7 @@ class DCMSurgery : protected Pointers {
 
   struct Cell {
     tagint molecule = 0;
-    int mask = 1;
+    DCMBuilder::Masks masks;
     DCMBuilder::Types types;
     dcm::Mesh mesh;             // unwrapped, nodes and faces by tag
     std::vector<double> l0;     // per edge of dcm::edges(mesh)
@@ -47,6 +47,10 @@ class DCMSurgery : protected Pointers {
   };
 
   DCMSurgery(class LAMMPS *, const std::string &asking);
+
+  // groups of new atoms of some types: those of the atom of the type with the lowest ID;
+  // `otherwise` for types without atoms
+  DCMBuilder::Masks masks_like(const DCMBuilder::Types &, int otherwise) const;
 
   // molecules: sorted; the result has the same order. Error if one of them does not exist.
   std::vector<Cell> gather(const std::vector<tagint> &molecules) const;

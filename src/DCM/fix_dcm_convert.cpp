@@ -232,12 +232,17 @@ void FixDCMConvert::initial_integrate(int /*vflag*/)
 void FixDCMConvert::pre_exchange()
 {
   if (changing.empty() || next_reneighbor != update->ntimestep) return;
+  const auto all = dcm_cell_atoms(lmp);
+
+  // another fix may have divided or taken away a cell in this very step; a sphere deep inside a
+  // neighbor waits until it has room
+
   changing.erase(std::remove_if(changing.begin(), changing.end(),
-                                [this](tagint molecule) {
-                                  return !growth->find(molecule);
+                                [&](tagint molecule) {
+                                  const auto *const it = growth->find(molecule);
+                                  return !it || (!it->deformable && !can_be_shaped(molecule, all));
                                 }),
                  changing.end());
-  const auto all = dcm_cell_atoms(lmp);
   DCMSurgery surgery(lmp, STYLE);
   const auto cells = surgery.gather(changing);
   surgery.begin();
@@ -257,7 +262,7 @@ void FixDCMConvert::to_sphere(DCMSurgery &surgery, const DCMSurgery::Cell &cell)
   const double volume = dcm::volume(cell.mesh);
   DCMBuilder::Sphere to;
   to.molecule = cell.molecule;
-  to.mask = cell.mask;
+  to.mask = surgery.masks_like(sphere, cell.masks.center).center;
   to.radius = radius_of(volume);
   to.x = cell.x;
   for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
@@ -267,20 +272,41 @@ void FixDCMConvert::to_sphere(DCMSurgery &surgery, const DCMSurgery::Cell &cell)
 }
 
 /* ----------------------------------------------------------------------
+   all other cells as balls, at their images closest to x
+------------------------------------------------------------------------- */
+
+std::vector<dcm::Ball> FixDCMConvert::neighbors_of(tagint molecule, const Vec3 &x,
+                                                   const std::vector<DCMCellAtom> &all) const
+{
+  std::vector<dcm::Ball> neighbors;
+  for (const auto &other : all) {
+    if (other.molecule == molecule) continue;
+    double d[3];
+    for (int k = 0; k < 3; k++) d[k] = other.x[k] - x[k];
+    dcm_minimum_image(domain, d[0], d[1], d[2]);
+    neighbors.push_back({x + Vec3(d[0], d[1], d[2]), radius_of(other.volume0)});
+  }
+  return neighbors;
+}
+
+bool FixDCMConvert::can_be_shaped(tagint molecule, const std::vector<DCMCellAtom> &all) const
+{
+  for (const auto &it : all)
+    if (it.molecule == molecule) {
+      const Vec3 x(it.x[0], it.x[1], it.x[2]);
+      return dcm::has_room({x, radius_of(it.volume0)}, neighbors_of(molecule, x, all));
+    }
+  return false;
+}
+
+/* ----------------------------------------------------------------------
    the rest volume is that for the pressure the cell had when it was last deformable
 ------------------------------------------------------------------------- */
 
 void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &cell,
                                   const std::vector<DCMCellAtom> &all)
 {
-  std::vector<dcm::Ball> neighbors;
-  for (const auto &other : all) {
-    if (other.molecule == cell.molecule) continue;
-    double d[3];
-    for (int k = 0; k < 3; k++) d[k] = other.x[k] - cell.x[k];
-    dcm_minimum_image(domain, d[0], d[1], d[2]);
-    neighbors.push_back({cell.x + Vec3(d[0], d[1], d[2]), radius_of(other.volume0)});
-  }
+  const auto neighbors = neighbors_of(cell.molecule, cell.x, all);
   const double volume = 4.0 / 3.0 * dcm::PI * std::pow(cell.radius, 3);
   const double ratio = growth->find(cell.molecule)->ratio;
 
@@ -293,7 +319,7 @@ void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &c
 
   DCMBuilder::Deformable to;
   to.molecule = cell.molecule;
-  to.mask = cell.mask;
+  to.mask = surgery.masks_like(deformable, cell.masks.center);
   to.volume0 = ratio * volume;
   for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
   to.x = dcm::fit_between({cell.x, cell.radius}, volume, neighbors, round);

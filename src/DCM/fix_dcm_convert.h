@@ -17,6 +17,7 @@ FixStyle(dcm/convert,FixDCMConvert);
 #ifndef LMP_FIX_DCM_CONVERT_H
 #define LMP_FIX_DCM_CONVERT_H
 
+#include "dcm_shape.h"
 #include "dcm_surgery.h"
 #include "fix.h"
 
@@ -57,6 +58,9 @@ class FixDCMConvert : public Fix {
 
   void parse(int, char **);
   std::vector<int> wanted(const std::vector<struct DCMCellAtom> &);
+  std::vector<dcm::Ball> neighbors_of(tagint, const dcm::Vec3 &,
+                                      const std::vector<struct DCMCellAtom> &) const;
+  bool can_be_shaped(tagint, const std::vector<struct DCMCellAtom> &) const;
   void to_sphere(DCMSurgery &, const DCMSurgery::Cell &);
   void to_deformable(DCMSurgery &, const DCMSurgery::Cell &,
                      const std::vector<struct DCMCellAtom> &);

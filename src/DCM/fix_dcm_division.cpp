@@ -413,7 +413,7 @@ void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
 {
   const auto &top = *job.round;
   DCMBuilder::Deformable daughter;
-  daughter.mask = job.mother.mask;
+  daughter.mask = job.mother.masks;
   daughter.volume0 = 0.5 * job.mother.volume0;
   for (int k = 0; k < 3; k++) daughter.v[k] = job.mother.v[k];
 
@@ -443,7 +443,7 @@ void FixDCMDivision::insert_spheres(DCMSurgery &surgery, const DCMSurgery::Cell 
 {
   const Vec3 axis = axis_of(mother);
   DCMBuilder::Sphere daughter;
-  daughter.mask = mother.mask;
+  daughter.mask = mother.masks.center;
   daughter.radius = mother.radius / std::cbrt(2.0);
   for (int k = 0; k < 3; k++) daughter.v[k] = mother.v[k];
 

@@ -93,6 +93,7 @@ def test_sheet():
     assert count(scene.sheet(19, radius=5.0, window=18.0), kind="dcm") == 13
     assert count(scene.sheet(19, radius=5.0, window=20.0), kind="dcm") == 19
     assert count(scene.sheet(19, radius=5.0, window=0.0), kind="dcm") == 1
+    assert count(scene.sheet(19, radius=5.0, window=-1.0), kind="dcm") == 0
     wide = scene.sheet(cells=7, radius=5.0, gap=0.1, jitter=0.01)
     assert all(c.z == 5.0 for c in wide) and count(wide, kind="dcm") == 7
     assert math.hypot(wide[1].x, wide[1].y) == pytest.approx(11.0, abs=0.2)
@@ -127,7 +128,7 @@ def test_shipped_tables_are_what_their_command_makes(tmp_path):
     ("duct --radius 0", "--radius"), ("duct --radius nan", "--radius"),
     ("duct --endothelium 2", "--endothelium"), ("duct --jitter -1", "--jitter"),
     ("ring --cells 2", "--cells"), ("spheroid --dcm 99", "--dcm"),
-    ("sheet --cells 0", "--cells"), ("sheet --window -1", "--window"),
+    ("sheet --cells 0", "--cells"), ("sheet --window nan", "--window"),
     ("doublet --distance 2", "overlap"), ("ring -o /nowhere/cells.txt", "/nowhere")])
 def test_bad_options_name_themselves(words, says, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -208,7 +208,7 @@ def sheet(cells=61, window=None, radius=6.0, type="hepatoblast", gap=0.0, jitter
 
     The `cells` sites nearest to the z axis; ties are broken by coordinates. Whole hexagons: 1, 7,
     19, 37, 61. Cells whose centre is within `window` (um) of the axis are DCM, all others CBM; by
-    default the middle cell and its six neighbours. jitter: along x and y.
+    default the middle cell and its six neighbours, none if it is negative. jitter: along x and y.
     """
     if cells < 1:
         raise SceneError(f"--cells is {cells}: a sheet takes at least 1")
@@ -216,8 +216,8 @@ def sheet(cells=61, window=None, radius=6.0, type="hepatoblast", gap=0.0, jitter
     check_gap(gap)
     spacing = 2.0 * radius * (1.0 + gap)
     window = 1.01 * spacing if window is None else window
-    if not window >= 0.0:
-        raise SceneError(f"--window is {window:g}: it must be zero (one DCM cell) or positive")
+    if not math.isfinite(window):
+        raise SceneError(f"--window is {window:g}: it must be a number")
     half = int(math.ceil(math.sqrt(cells))) + 2
     i, j = np.array(np.meshgrid(*[np.arange(-half, half + 1)] * 2, indexing="ij")).reshape(2, -1)
     far = i * i + i * j + j * j    # squared distance in spacings, exact
@@ -226,6 +226,22 @@ def sheet(cells=61, window=None, radius=6.0, type="hepatoblast", gap=0.0, jitter
                  float(spacing * (i[k] + 0.5 * j[k])), float(spacing * math.sqrt(0.75) * j[k]),
                  float(radius), radius) for k in order]
     return jittered(made, jitter, seed)
+
+
+def crowd(side=2, radius=4.9, type="hepatoblast", gap=0.0, jitter=0.0, seed=1):
+    """Cells that fill a periodic cube: face-centered cubic, side^3 x 4 DCM, cube from 0 to `side`
+    lattice constants of 2 sqrt(2) radius (1 + gap).
+    """
+    if side < 1:
+        raise SceneError(f"--side is {side}: a crowd takes at least 1")
+    check_positive(radius=radius)
+    check_gap(gap)
+    a = 2.0 * math.sqrt(2.0) * radius * (1.0 + gap)
+    corners = np.array(np.meshgrid(*[np.arange(side)] * 3, indexing="ij")).reshape(3, -1).T
+    base = np.array([(0.25, 0.25, 0.25), (0.75, 0.75, 0.25), (0.75, 0.25, 0.75), (0.25, 0.75, 0.75)])
+    x = a * (corners[:, None, :] + base[None, :, :]).reshape(-1, 3)
+    made = [Cell(type, "dcm", *map(float, xk), radius) for xk in x]
+    return jittered(made, jitter, seed, planar=False)
 
 
 def doublet(radius=6.0, kind="dcm", type="hepatoblast", distance=None, gap=0.0):
@@ -305,7 +321,7 @@ def read_table(path):
 def add_arguments(parser):
     """Add `scene` sub-commands and their options to an argparse parser."""
     sub = parser.add_subparsers(dest="scene", required=True, metavar="duct|ring|spheroid|"
-                                "sheet|doublet")
+                                "sheet|crowd|doublet")
     helpers = argparse.ArgumentDefaultsHelpFormatter
 
     def scene_parser(name, build, text):
@@ -353,6 +369,10 @@ def add_arguments(parser):
     p.add_argument("--cells", type=int, default=61, help="number of cells")
     p.add_argument("--window", type=float, help="DCM up to this distance of a centre from the "
                    "middle, um; None: the middle cell and its neighbours")
+    one_type(p, kind=False)
+    randomness(p)
+    p = scene_parser("crowd", crowd, "cells that fill a periodic cube, all DCM")
+    p.add_argument("--side", type=int, default=2, help="cubes of four cells along each side")
     one_type(p, kind=False)
     randomness(p)
     p = scene_parser("doublet", doublet, "two cells side by side")
