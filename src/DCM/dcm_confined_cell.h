@@ -36,6 +36,7 @@ struct DivisionMaterial {
   double kb;            ///< bending constant, nN um (bending_stiffness())
   double K_V;           ///< bulk modulus, kPa
   double wall = 0.0;    ///< wall pressure per depth, nN/um^3; 0: division_wall()
+  bool flat = false;    ///< hinges at rest when flat, not at the angles of the round cell
 };
 
 /// Depth at which a wall bears the pressure ks/radius, in units of the daughter's radius.
@@ -109,7 +110,8 @@ inline ConfinedCell::ConfinedCell(const Envelope &envelope, const DivisionPlane 
   const double scale = std::cbrt(volume / dcm::volume(round));
   const auto &x = round.nodes;
   for (const auto &e : edge) l0.push_back(rest * scale * (x[e[1]] - x[e[0]]).norm());
-  for (const auto &h : bend) theta0.push_back(hinge_angle(x[h[0]], x[h[1]], x[h[2]], x[h[3]]));
+  for (const auto &h : bend)
+    theta0.push_back(material.flat ? 0.0 : hinge_angle(x[h[0]], x[h[1]], x[h[2]], x[h[3]]));
   for (const auto &f : faces) {
     const double s = scale * scale * face_area_vector(x[f[0]], x[f[1]], x[f[2]]).norm() / 3.0;
     for (int i : f) share[i] += s;

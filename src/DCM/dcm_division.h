@@ -80,7 +80,7 @@ namespace division_detail {
   constexpr double START = 0.9;
   /// Growth of radius and rest lengths per stage, and forces over the tolerance that end a stage.
   constexpr double STAGE = 1.25, ROUGH = 100.0;
-  /// A node moves at most this fraction of the mean rest length per step: faces do not turn over.
+  /// First trial of a line search: a node moves at most this fraction of the mean rest length.
   constexpr double MOVE = 0.25;
   /// Volume correction begins once the forces are below this multiple of the tolerance.
   constexpr double LOOSE = 10.0;

@@ -89,8 +89,8 @@ inline Half positive_half(const Mesh &mesh, const DivisionPlane &plane)
 }
 
 /// Plane with the given normal (any length) that halves the volume of a closed mesh, convex or
-/// not, by bisection; its point lies below the mean node. The source puts the plane through the
-/// centroid instead, which gives unequal daughters unless the mother is symmetric.
+/// not, by bisection; its point lies below the mean node. A plane through the
+/// centroid gives unequal daughters unless the mother is symmetric.
 /// Throws std::invalid_argument if the normal has no direction or the mesh no positive volume.
 inline DivisionPlane halving_plane(const Mesh &mother, const Vec3 &normal)
 {

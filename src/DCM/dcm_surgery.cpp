@@ -13,11 +13,14 @@
 #include "atom.h"
 #include "atom_vec.h"
 #include "atom_vec_dcm.h"
+#include "bond_dcm_cortex.h"
 #include "comm.h"
 #include "dcm_gather.h"
+#include "dihedral_dcm_bend.h"
 #include "domain.h"
 #include "error.h"
 #include "fix.h"
+#include "force.h"
 #include "modify.h"
 #include "update.h"
 #include "utils.h"
@@ -296,6 +299,20 @@ void DCMSurgery::end()
     atom->map_init();
     atom->map_set();
   }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void DCMSurgery::require_laws(LAMMPS *lmp, const std::string &asking)
+{
+  Force *const force = lmp->force;
+  if (!dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex")) ||
+      !dynamic_cast<DihedralDCMBend *>(force->dihedral_match("dcm/bend")) ||
+      lmp->modify->get_fix_by_style("^dcm/volume$").empty())
+    lmp->error->all(FLERR,
+                    "{}: deformable cells need bond_style dcm/cortex, dihedral_style dcm/bend and "
+                    "fix dcm/volume; add them to the deck",
+                    asking);
 }
 
 /* ----------------------------------------------------------------------

@@ -63,6 +63,9 @@ class DCMSurgery : protected Pointers {
 
   DCMBuilder builder;
 
+  // error unless the deck has the laws that hold a deformable cell together
+  static void require_laws(class LAMMPS *, const std::string &asking);
+
   // error unless fixes that keep local indices over an exchange have acted before this one
   static void check_order(class LAMMPS *, const class Fix *, const std::string &asking);
 

@@ -160,6 +160,7 @@ void FixDCMConvert::init()
   }
   if (modify->get_fix_by_style("^dcm/cell$").empty())
     error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck", STYLE);
+  DCMSurgery::require_laws(lmp, STYLE);
   DCMSurgery::check_order(lmp, this, STYLE);
   DCMBuilder(lmp, STYLE, false).reserve_slots(top.slots);
   next_reneighbor = -1;
@@ -222,7 +223,7 @@ void FixDCMConvert::initial_integrate(int /*vflag*/)
     if (change[n] == STAY || !entry) continue;
     // who is about to divide does so as it is; its daughters can change
     if (entry->phase == FixDCMGrowth::ROUNDING || entry->phase == FixDCMGrowth::READY) continue;
-    changing.push_back(cells[n].molecule);
+    changing.push_back({cells[n].molecule, change[n] == TO_DEFORMABLE});
   }
   if (!changing.empty()) next_reneighbor = update->ntimestep;
 }
@@ -234,19 +235,19 @@ void FixDCMConvert::pre_exchange()
   if (changing.empty() || next_reneighbor != update->ntimestep) return;
   const auto all = dcm_cell_atoms(lmp);
 
-  // another fix may have divided or taken away a cell in this very step; a sphere deep inside a
-  // neighbor waits until it has room
+  // another fix may have divided, converted or taken away a cell in this very step; a sphere deep
+  // inside a neighbor waits until it has room
 
-  changing.erase(std::remove_if(changing.begin(), changing.end(),
-                                [&](tagint molecule) {
-                                  const auto *const it = growth->find(molecule);
-                                  return !it || (!it->deformable && !can_be_shaped(molecule, all));
-                                }),
-                 changing.end());
+  std::vector<tagint> molecules;
+  for (const auto &it : changing) {
+    const auto *const entry = growth->find(it.molecule);
+    if (!entry || entry->deformable == (int) it.to_deformable) continue;
+    if (!it.to_deformable || can_be_shaped(it.molecule, all)) molecules.push_back(it.molecule);
+  }
   DCMSurgery surgery(lmp, STYLE);
-  const auto cells = surgery.gather(changing);
+  const auto cells = surgery.gather(molecules);
   surgery.begin();
-  surgery.remove(changing);
+  surgery.remove(molecules);
   for (const auto &it : cells) {
     if (it.mesh.nodes.empty())
       to_deformable(surgery, it, all);

@@ -43,6 +43,11 @@ class FixDCMConvert : public Fix {
   double compute_vector(int) override;
 
  private:
+  struct Change {
+    tagint molecule;
+    bool to_deformable;
+  };
+
   class FixDCMGrowth *growth;
   DCMBuilder::Types deformable, sphere;
   int level;
@@ -53,7 +58,7 @@ class FixDCMConvert : public Fix {
   double near[2];             // closer than, farther than
   std::uint64_t seed;
   DCMBuilder::Topology top;
-  std::vector<tagint> changing;
+  std::vector<Change> changing;
   bigint counts[2];    // to deformable, to center-based
 
   void parse(int, char **);

@@ -88,6 +88,8 @@ FixDCMDeath::FixDCMDeath(LAMMPS *lmp, int narg, char **arg) :
   }
   if (!always && region_id.empty() && variable.empty() && age < 0.0 && rate < 0.0)
     error->all(FLERR, "{}: who dies? give all, region, age, variable or rate", STYLE);
+  if (always && (!region_id.empty() || !variable.empty() || age >= 0.0 || rate > 0.0))
+    error->all(FLERR, "{}: all leaves nothing to choose; remove it or the other criteria", STYLE);
   if (rate > 0.0 && seed == 0) error->all(FLERR, "{}: rate needs keyword seed", STYLE);
 
   scalar_flag = 1;
@@ -137,7 +139,7 @@ void FixDCMDeath::setup(int /*vflag*/)
   if (log_name.empty() || log || comm->me != 0) return;
   log = fopen(log_name.c_str(), continued ? "a" : "w");
   if (!log) error->one(FLERR, "{}: cannot open log {}: {}", STYLE, log_name, utils::getsyserror());
-  if (!continued)
+  if (fseek(log, 0, SEEK_END) == 0 && ftell(log) == 0)
     utils::print(log, "# LAMMPS-DCM death log; units um nN s\n"
                       "# step time cell kind reason volume\n");
   fflush(log);
@@ -191,6 +193,7 @@ void FixDCMDeath::initial_integrate(int /*vflag*/)
         growth->fade(molecule, shrink);
         shrinking.insert(molecule);
       } else {
+        growth->fade(molecule, update->dt);    // no one else is to act on it in this step
         gone.push_back(molecule);
       }
     }
@@ -228,12 +231,15 @@ void FixDCMDeath::pre_exchange()
   gone.clear();
 }
 
-const char *FixDCMDeath::reason() const
+std::string FixDCMDeath::reason() const
 {
-  if (!region_id.empty()) return "region";
-  if (!variable.empty()) return "variable";
-  if (rate > 0.0) return "rate";
-  return age >= 0.0 ? "age" : "all";
+  std::vector<std::string> words;
+  if (always) words.emplace_back("all");
+  if (!region_id.empty()) words.emplace_back("region");
+  if (age >= 0.0) words.emplace_back("age");
+  if (!variable.empty()) words.emplace_back("variable");
+  if (rate > 0.0) words.emplace_back("rate");
+  return utils::join_words(words, "+");
 }
 
 /* ---------------------------------------------------------------------- */

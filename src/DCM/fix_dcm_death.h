@@ -59,7 +59,7 @@ class FixDCMDeath : public Fix {
   std::set<tagint> shrinking;    // cells that this fix made shrink
 
   std::vector<tagint> condemned();
-  const char *reason() const;
+  std::string reason() const;
 };
 
 }    // namespace LAMMPS_NS

@@ -169,22 +169,11 @@ void FixDCMDivision::init()
     for (const auto &name : variable_name) dcm_check_variable(lmp, STYLE, name);
   DCMSurgery::check_order(lmp, this, STYLE);
 
-  const auto deformable =
+  const bool deformable =
       std::any_of(growth->book.begin(), growth->book.end(), [](const FixDCMGrowth::Entry &it) {
         return it.deformable && it.cycle > 0.0;
       });
-  if (deformable) {
-    const bool laws = dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex")) &&
-                      dynamic_cast<DihedralDCMBend *>(force->dihedral_match("dcm/bend")) &&
-                      !modify->get_fix_by_style("^dcm/volume$").empty();
-    if (!laws)
-      error->all(FLERR,
-                 "{}: deformable cells need bond_style dcm/cortex, dihedral_style dcm/bend "
-                 "and fix dcm/volume to divide",
-                 STYLE);
-    DCMSurgery surgery(lmp, STYLE);
-    surgery.builder.reserve_slots(round_mesh(surgery, 42).slots);
-  }
+  if (deformable) DCMSurgery::require_laws(lmp, STYLE);
   if (!sisters.empty()) hold_back_sisters();
   next_reneighbor = -1;
   seconds = 0.0;
@@ -197,10 +186,15 @@ void FixDCMDivision::init()
 
 void FixDCMDivision::setup(int /*vflag*/)
 {
+  DCMSurgery surgery(lmp, STYLE);
+  for (const auto &it : growth->book) {
+    const int c = it.deformable && it.cycle > 0.0 ? cell->find_cell(it.molecule) : -1;
+    if (c >= 0) surgery.builder.reserve_slots(round_mesh(surgery, cell->cells[c].nnodes).slots);
+  }
   if (log_name.empty() || log || comm->me != 0) return;
   log = fopen(log_name.c_str(), continued ? "a" : "w");
   if (!log) error->one(FLERR, "{}: cannot open log {}: {}", STYLE, log_name, utils::getsyserror());
-  if (!continued)
+  if (fseek(log, 0, SEEK_END) == 0 && ftell(log) == 0)
     utils::print(log, "# LAMMPS-DCM division log; units um nN s\n"
                       "# step time mother daughter1 daughter2 generation kind axis_x axis_y axis_z "
                       "volume volume1 volume2 iterations pressure_before pressure\n");
@@ -249,6 +243,15 @@ void FixDCMDivision::pre_exchange()
 {
   if (ready.empty() || next_reneighbor != update->ntimestep) return;
   const double start = platform::walltime();
+
+  // another fix may have condemned a cell in this very step
+
+  ready.erase(std::remove_if(ready.begin(), ready.end(),
+                             [this](tagint molecule) {
+                               const auto *const it = growth->find(molecule);
+                               return !it || it->phase != FixDCMGrowth::READY;
+                             }),
+              ready.end());
   DCMSurgery surgery(lmp, STYLE);
   const auto mothers = surgery.gather(ready);
 
@@ -323,6 +326,7 @@ FixDCMDivision::Job FixDCMDivision::prepare(DCMSurgery &surgery, const DCMSurger
   auto *const bend = dynamic_cast<DihedralDCMBend *>(force->dihedral_match("dcm/bend"));
   job.material.ks = cortex->stiffness(mother.types.bond);
   job.material.kb = bend->stiffness(mother.types.dihedral);
+  job.material.flat = !bend->rest_angles(mother.types.dihedral);
   const FixDCMCell::Cell &it = cell->cells[cell->find_cell(mother.molecule)];
   for (auto *fix : modify->get_fix_by_style("^dcm/volume$"))
     job.material.K_V =
@@ -356,7 +360,8 @@ void FixDCMDivision::grow(std::vector<Job> &jobs)
     dcm::Daughter &daughter = job.daughter[n % 2];
     dcm::DivisionSettings mine = settings;
     mine.volume = 0.5 * job.volume;
-    mine.rest = job.rest;
+    // rest lengths are those of the rest volume, the settings those of the volume
+    mine.rest = job.rest * std::cbrt(job.mother.volume0 / job.volume);
     try {
       daughter = dcm::grow_daughter(job.mother.mesh, job.plane, n % 2, job.round->mesh,
                                     job.material, mine);
@@ -432,7 +437,7 @@ void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
   ndcm++;
   write_log(job.mother, job.plane.normal, molecule, job.volume, job.daughter[0].volume,
             job.daughter[1].volume, job.daughter[0].iterations + job.daughter[1].iterations);
-  growth->divide(*growth->find(job.mother.molecule), molecule[0], molecule[1]);
+  growth->divide(*growth->find(job.mother.molecule), molecule[0], molecule[1], 0.5 * job.volume);
 }
 
 /* ----------------------------------------------------------------------
@@ -457,7 +462,7 @@ void FixDCMDivision::insert_spheres(DCMSurgery &surgery, const DCMSurgery::Cell 
   sisters.push_back({molecule[0], molecule[1], growth->time()});
   const double volume = sphere_volume(mother.radius);
   write_log(mother, axis, molecule, volume, 0.5 * volume, 0.5 * volume, 0);
-  growth->divide(*growth->find(mother.molecule), molecule[0], molecule[1]);
+  growth->divide(*growth->find(mother.molecule), molecule[0], molecule[1], 0.5 * volume);
 }
 
 /* ----------------------------------------------------------------------

@@ -37,9 +37,9 @@ static const char STYLE[] = "Fix dcm/growth";
 
 static constexpr double DONE = 1.0 - 1.0e-9;
 
-// `until volume`: the rest volume goes no further than this above twice the newborn's
+// `until volume`: the rest volume goes no further than this times that at birth
 
-static constexpr double MOST_PROGRESS = 1.25;
+static constexpr double MOST_GROWTH = 2.5;
 
 // growth of a sphere's radius after which the neighbor list is rebuilt, in skins
 
@@ -86,14 +86,14 @@ FixDCMGrowth::~FixDCMGrowth() = default;
 
 int FixDCMGrowth::parse_keyword(int narg, char **arg)
 {
-  const int used = parameters->parse_keyword(narg, arg, {"cycle_time", "cycle_sd"});
+  const int used = parameters->parse_keyword(narg, arg, {"cycle_time", "cycle_sd", "K_V"});
   if (used) return used;
 
   const std::string key = arg[0];
   static const std::vector<std::string> known = {
       "seed", "law", "compression", "rounding", "until", "newborn", "age", "proliferating"};
   if (std::find(known.begin(), known.end(), key) == known.end())
-    error->all(FLERR, "{}: unknown keyword {}; known: cycle_time cycle_sd {}", STYLE, key,
+    error->all(FLERR, "{}: unknown keyword {}; known: cycle_time cycle_sd K_V {}", STYLE, key,
                utils::join_words(known, " "));
   const int nvalues = key == "compression" || key == "rounding" || key == "proliferating" ? 2 : 1;
   if (narg <= nvalues)
@@ -187,15 +187,21 @@ void FixDCMGrowth::init()
   }
   enroll();
 
-  // spheres have a strain only through their contacts
+  // spheres have a strain only through their contacts; they may come later, by conversion
 
   contact = nullptr;
-  const bool spheres = std::any_of(book.begin(), book.end(), [](const Entry &it) {
-    return !it.deformable && it.cycle > 0.0;
-  });
-  if (half > 0.0 && spheres) {
+  bulk_modulus.assign(atom->ntypes + 1, 0.0);
+  if (half > 0.0) {
     contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
     if (contact) contact->request_virial();
+    for (int t = 1; t <= atom->ntypes; t++) {
+      if (!parameters->used(t)) continue;
+      const bool spheres = std::any_of(book.begin(), book.end(), [t](const Entry &it) {
+        return !it.deformable && it.type == t && it.cycle > 0.0;
+      });
+      bulk_modulus[t] = spheres ? parameters->get(t, "K_V", DCMParameters::POSITIVE)
+                                : parameters->get(t, "K_V", DCMParameters::NONNEGATIVE, 0.0);
+    }
   }
   next_reneighbor = -1;
 }
@@ -241,7 +247,7 @@ FixDCMGrowth::Entry FixDCMGrowth::newcomer(tagint molecule, int type, int deform
   it.length = it.ratio = 1.0;
   draw_cycle(it);
   double grown = 0.0;
-  if (newborn > 0.0) {
+  if (newborn > 0.0 && it.cycle > 0.0) {
     grown = dcm::growth_progress(law, volume0 / newborn);
     if (grown < -1.0e-9 || grown > 1.0 + 1.0e-9)
       error->all(FLERR,
@@ -283,7 +289,7 @@ FixDCMGrowth::Entry *FixDCMGrowth::find(tagint molecule)
    volume is conserved over generations: each daughter gets half the rest volume
 ------------------------------------------------------------------------- */
 
-void FixDCMGrowth::divide(const Entry &given, tagint daughter1, tagint daughter2)
+void FixDCMGrowth::divide(const Entry &given, tagint daughter1, tagint daughter2, double volume)
 {
   const Entry mother = given;
   remove(mother.molecule);
@@ -295,6 +301,7 @@ void FixDCMGrowth::divide(const Entry &given, tagint daughter1, tagint daughter2
     it.generation = mother.generation + 1;
     it.birth = time();
     it.volume0 = it.born = 0.5 * mother.volume0;
+    it.newborn = volume;
     it.progress = 0.0;
     it.length = 1.0;
     it.pressure_before = it.pressure = 0.0;
@@ -401,15 +408,14 @@ double FixDCMGrowth::advance(Entry &it, double rate)
   const double before = it.length;
 
   if (it.phase == GROWING) {
-    const double most = growth * (until_volume ? MOST_PROGRESS : 1.0);
+    const double most = growth * (until_volume ? dcm::growth_progress(law, MOST_GROWTH) : 1.0);
     it.progress += rate * dt / it.cycle;
     it.volume0 = it.born * dcm::growth_factor(law, std::min(it.progress, most) / growth);
     bool done = it.progress >= growth * DONE;
     if (until_volume) {
-      double volume = it.volume0;
-      const int c = it.deformable && cell ? cell->find_cell(it.molecule) : -1;
-      if (c >= 0) volume = cell->cells[c].volume;
-      done = volume >= 2.0 * it.born * DONE;
+      // cells that were there from the start: the volume they had at birth, by their law
+      if (it.newborn == 0.0) it.newborn = volume_of(it) * it.born / it.volume0;
+      done = volume_of(it) >= 2.0 * it.newborn * DONE;
       it.progress = done ? growth : std::min(it.progress, most);
     }
     if (done) {
@@ -454,17 +460,30 @@ void FixDCMGrowth::apply()
 }
 
 /* ----------------------------------------------------------------------
+   volume at the end of the last step
+------------------------------------------------------------------------- */
+
+double FixDCMGrowth::volume_of(const Entry &it) const
+{
+  const int c = it.deformable && cell ? cell->find_cell(it.molecule) : -1;
+  return c >= 0 ? cell->cells[c].volume : it.volume0;
+}
+
+/* ----------------------------------------------------------------------
    volumetric strain, positive in compression
 ------------------------------------------------------------------------- */
 
 double FixDCMGrowth::strain(const Entry &it, size_t n) const
 {
-  if (it.deformable) {
-    const int c = cell ? cell->find_cell(it.molecule) : -1;
-    return c >= 0 && cell->cells[c].volume > 0.0 ? 1.0 - cell->cells[c].volume / it.volume0 : 0.0;
-  }
+  if (it.deformable) return 1.0 - volume_of(it) / it.volume0;
   if (!contact) return 0.0;
-  return sphere_pressure[n] / parameters->get(it.type, "K_V", DCMParameters::POSITIVE);
+  if (bulk_modulus[it.type] == 0.0)
+    error->all(
+        FLERR,
+        "{}: compression needs K_V of cell type {}, of which cell {} is a sphere; add it to the "
+        "parameter file or give keyword K_V",
+        STYLE, parameters->name(it.type), it.molecule);
+  return sphere_pressure[n] / bulk_modulus[it.type];
 }
 
 void FixDCMGrowth::measure_spheres()

@@ -43,6 +43,7 @@ class FixDCMGrowth : public Fix {
     double birth;       // time
     double cycle;       // cycle time of this cell, 0: its type does not divide
     double born;        // rest volume at birth
+    double newborn;     // volume at birth, 0: not measured yet
     double progress;    // of the cycle, 0 to 1
     double volume0;     // rest volume
     double length;      // factor on the rest lengths: 1, below while rounding up
@@ -75,8 +76,9 @@ class FixDCMGrowth : public Fix {
 
   // for those who change cells: what they do has to be done to the atoms as well
   tagint new_molecule() { return next_molecule++; }
+  tagint last_molecule() const { return next_molecule - 1; }    // highest ID ever used
   double time() const;
-  void divide(const Entry &mother, tagint daughter1, tagint daughter2);
+  void divide(const Entry &mother, tagint daughter1, tagint daughter2, double volume);
   void remove(tagint molecule);
   void fade(tagint molecule, double duration);
   void convert(tagint molecule, int type, bool deformable, double volume0, double ratio);
@@ -91,8 +93,9 @@ class FixDCMGrowth : public Fix {
   double half, exponent;          // slowing by compression; half = 0: none
   double rounding, shortening;    // part of the cycle; factor on rest lengths at its end
   bool until_volume, random_age;
-  double newborn;                  // rest volume of a newborn, 0: that of each first cell
-  std::vector<double> fraction;    // per atom type: proliferating fraction, < 0: not held
+  double newborn;                      // rest volume of a newborn, 0: that of each first cell
+  std::vector<double> bulk_modulus;    // per atom type, 0: unknown; for compression
+  std::vector<double> fraction;        // per atom type: proliferating fraction, < 0: not held
   std::vector<std::string> fraction_names;
   std::vector<double> fraction_values;
 
@@ -109,6 +112,7 @@ class FixDCMGrowth : public Fix {
   void draw_cycle(Entry &) const;
   void hold_fractions();
   void measure_spheres();
+  double volume_of(const Entry &) const;
   double strain(const Entry &, size_t) const;
   double advance(Entry &, double rate);
   void apply();
