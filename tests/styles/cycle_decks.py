@@ -21,9 +21,9 @@ celltype hepatoblast_cbm
   K_V 2.5
   E_contact 0.45
   nu_contact 0.4
-  friction_normal 50.0
-  friction_tangential 50.0
-  friction_ecm 10.0
+  friction_normal 1.0
+  friction_tangential 1.0
+  friction_ecm 0.1
 adhesion hepatoblast hepatoblast 0.0
 adhesion hepatoblast hepatoblast_cbm 0.0
 adhesion hepatoblast_cbm hepatoblast_cbm 0.0
