@@ -18,10 +18,12 @@
 #include "dcm_gather.h"
 #include "dihedral_dcm_bend.h"
 #include "domain.h"
+#include "dump.h"
 #include "error.h"
 #include "fix.h"
 #include "force.h"
 #include "modify.h"
+#include "output.h"
 #include "update.h"
 #include "utils.h"
 
@@ -45,6 +47,14 @@ struct Edge {
   tagint molecule, a, b;
   int bond, dihedral;
   double l0;
+};
+
+// A dump sorted by atom ID puts atoms at their places without sorting as long as their number is that
+// of the run's first step. It trusts the IDs to be those of that step, too, and would write beyond
+// its arrays (LAMMPS makes an exception for fix gcmc only).
+
+struct SortedDump : Dump {
+  static void look_again(Dump *dump) { dump->*(&SortedDump::reorderflag) = 0; }
 };
 
 bool holds(const std::vector<tagint> &sorted, tagint value)
@@ -299,6 +309,7 @@ void DCMSurgery::end()
     atom->map_init();
     atom->map_set();
   }
+  for (auto *dump : output->get_dump_list()) SortedDump::look_again(dump);
 }
 
 /* ---------------------------------------------------------------------- */
