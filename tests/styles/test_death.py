@@ -206,6 +206,19 @@ def test_tags_and_memory_stay_bounded(lmp, scenes):
     assert len(peaks) == 10 and peaks[-1] < 1.05 * peaks[0]
 
 
+@pytest.mark.parametrize("np_", [1, 2])
+def test_sorted_dump_of_other_tags(lmp, scenes, np_):
+    """As many atoms as at the start, but others: LAMMPS takes the order of the IDs for granted."""
+    deck = counting(27, "cycle_time 10") + "variable odd atom mol%2\n"
+    deck += "fix division all dcm/division seed 4\n" + death("variable v_odd every 15")
+    result = lmp(deck + scenes.dump("id mol", 16) + "run 16\n", np=np_)
+    lines = (result.path / "dump.txt").read_text().splitlines()[-27:]
+    rows = [[int(word) for word in line.split()] for line in lines]
+    tags = [tag for tag, _ in rows]
+    assert tags == sorted(set(tags)) and tags[-1] > 27
+    assert sorted(m for _, m in rows) == list(range(28, 82, 2))
+
+
 def test_tags_of_deformable_cells_stay_bounded(lmp, scenes):
     """Four deformable cells that divide, one daughter each dies; counts exact at every step."""
     scene = scenes.Scene(40.0, "f f f")
