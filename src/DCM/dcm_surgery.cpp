@@ -49,9 +49,9 @@ struct Edge {
   double l0;
 };
 
-// A dump sorted by atom ID puts atoms at their places without sorting as long as their number is that
-// of the run's first step. It trusts the IDs to be those of that step, too, and would write beyond
-// its arrays (LAMMPS makes an exception for fix gcmc only).
+// A dump sorted by atom ID puts atoms at their places without sorting as long as their number is
+// that of the run's first step. It trusts the IDs to be those of that step, too, and would write
+// beyond its arrays (LAMMPS makes an exception for fix gcmc only).
 
 struct SortedDump : Dump {
   static void look_again(Dump *dump) { dump->*(&SortedDump::reorderflag) = 0; }

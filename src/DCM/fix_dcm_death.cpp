@@ -31,9 +31,9 @@ using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/death";
 
-// a shrinking cell goes when this part of its rest volume is left
+// a shrinking cell goes when this part of its rest volume is left, not a step later by round-off
 
-static constexpr double LEAST = 0.05;
+static constexpr double LEAST = 0.05 + 1.0e-9;
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/death [all] [region ID] [age T] [variable v_name] [rate r seed S]

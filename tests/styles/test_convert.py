@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cycle_decks import growth, same, sphere
+from cycle_decks import FILES, PLAIN, growth, same, sphere
 from lammps_dcm import read_divisions
 
 COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
@@ -24,7 +24,7 @@ def cells_dump(scenes, every=1):
 
 
 def cells(frame):
-    """molecule -> (deformable, V0, V, p, x); new nodes and faces are in the groups of the sphere."""
+    """molecule -> (deformable, V0, V, p, x); new nodes are in the groups of the sphere."""
     columns = [frame[name] for name in ("mol", "type", "c_of[1]", "c_of[2]", "c_of[3]")]
     return {
         int(m): (t == 1, V0, V, p, frame.x[k])
@@ -63,7 +63,8 @@ def deformable(frame):
 def test_region(lmp, scenes):
     """Inside IN: deformable; outside OUT: back; between the two a cell stays what it is."""
     scene = row_of_spheres(scenes)  # x = -28, -14, 0, 14, 28
-    deck = "region in block -20 5 EDGE EDGE EDGE EDGE\nregion out block -30 20 EDGE EDGE EDGE EDGE\n"
+    deck = "region in block -20 5 EDGE EDGE EDGE EDGE\n"
+    deck += "region out block -30 20 EDGE EDGE EDGE EDGE\n"
     deck = still(scene, "region in out").replace("fix convert", deck + "fix convert")
     deck += cells_dump(scenes, 5) + scenes.thermo(COUNTS) + "run 10\n"
     deck += "displace_atoms all move 10 0 0 units box\nrun 10\n"  # x = -4 and 10: both stay
@@ -83,7 +84,8 @@ def test_region(lmp, scenes):
 def test_near(lmp, scenes):
     """Closer than d1 to a cell of the group: deformable; farther than d2 from all: back."""
     scene = row_of_spheres(scenes)
-    deck = still(scene, "near seed 16 22").replace("fix growth", "group seed molecule 3\nfix growth")
+    deck = still(scene, "near seed 16 22")
+    deck = deck.replace("fix growth", "group seed molecule 3\nfix growth")
     deck += "group other molecule 2\n" + cells_dump(scenes, 10) + "run 10\n"
     for move in (-6, -4):  # molecule 2 at 20, then 24 from 3, and past 1
         deck += f"displace_atoms other move {move} 0 0 units box\nrun 10\n"
@@ -95,8 +97,8 @@ def test_near(lmp, scenes):
 
 def test_near_across_a_periodic_border(lmp, scenes):
     scene = row_of_spheres(scenes, boundary="p p p")  # length 74: 1 and 5 are 18 apart
-    deck = still(scene, "near seed 18.5 30").replace("fix growth", "group seed molecule 5\nfix growth")
-    deck = deck.replace("12.0", "14.0")
+    deck = still(scene, "near seed 18.5 30").replace("12.0", "14.0")
+    deck = deck.replace("fix growth", "group seed molecule 5\nfix growth")
     frames = lmp(deck + cells_dump(scenes, 10) + "run 10\n").dump("cells.txt")
     assert deformable(frames[-1]) == {1, 4, 5}
 
@@ -147,7 +149,7 @@ def test_volume_and_center(lmp, scenes):
 
 
 def test_volume_in_contact(lmp, scenes):
-    """Flattened by three neighbors; the volume is the sphere's, and the center is near its place."""
+    """Flattened by three neighbors: the volume is the sphere's, the mean node near its place."""
     scene = scenes.Scene(20.0, "f f f")
     for x, y in ((0.0, 0.0), (9.5, 0.0), (-4.7, 8.0), (-4.7, -8.0)):
         scene.cbm(x, y, 0.0, 5.0)
@@ -196,6 +198,23 @@ def test_cycle_and_lineage_go_on(lmp, scenes):
     assert list(log.step) == [100] * 2 + [200] * 4
     assert list(log.mother) == [1, 2, 3, 4, 5, 6]
     assert list(log.generation) == [1, 1, 2, 2, 2, 2]
+
+
+def test_compression_slows_who_became_a_sphere(lmp, scenes):
+    """In a deck that began with deformable cells only; Hertz' force of test_growth.py holds them."""
+    scene = scenes.Scene(20.0, "f f f", parameters=PLAIN)
+    for x in (-4.75, 4.75):
+        scene.dcm(x, 0.0, 0.0, 5.0)
+    grown = []
+    for compression in ("", "compression 0.002 2"):
+        deck = "variable want atom -1\n" + scene.head() + scene.forces("growth 1.4")
+        deck += growth(scene, f"cycle_time 2000 {compression}") + convert("variable v_want")
+        deck += cells_dump(scenes, 10) + "timestep 1.0\nrun 1000\n"
+        frames = lmp(deck, files=FILES).dump("cells.txt")
+        assert deformable(frames[0]) == {1, 2} and deformable(frames[1]) == set()
+        grown.append(cells(frames[-1])[1][1] / cells(frames[1])[1][1])
+    assert grown[0] == pytest.approx((1 + 1000 / 1900) / (1 + 10 / 1900), rel=1e-9)
+    assert grown[1] < 0.95 * grown[0]
 
 
 # --- in a tissue: neighbors, ranks, restarts ------------------------------------------------------

@@ -226,7 +226,8 @@ def test_tags_of_deformable_cells_stay_bounded(lmp, scenes):
         scene.dcm(x, y, 0.0, 5.0, options="rotate 3 rest 1")
     deck = scene.head() + scene.forces() + growth(scene, "cycle_time 150")
     deck += "fix division all dcm/division seed 4\nvariable odd atom mol>4&&mol%2==1\n"
-    deck += death("variable v_odd") + scene.motion(options="") + "variable tag atom id\ncompute last all reduce max v_tag\n"
+    deck += death("variable v_odd") + scene.motion(options="")
+    deck += "variable tag atom id\ncompute last all reduce max v_tag\n"
     deck += scenes.thermo([*COUNTS, "b=f_growth[6]", "last=c_last"]) + "timestep 1.0\nrun 760\n"
     result = lmp(deck, np=2)
     for row in result.thermo:

@@ -163,8 +163,9 @@ def test_compression_slows_spheres(lmp, scenes):
 def tissue(scenes, boundary="p p p"):
     """Three deformable and four center-based cells in contact, growing and rounding up."""
     scene = scenes.hybrid(level=1, boundary=boundary, box=(27.0, 27.0, 18.0), shift=(3.0, 2.0, 0.5))
+    scene.parameters = PLAIN
     rest = scene.contact() + "fix cell all dcm/cell\n" + scene.volume()
-    rest += growth(scene, "cycle_time 200 cycle_sd 4")
+    rest += growth(scene, "cycle_time 200 cycle_sd 4 compression 0.1 2")
     return scene, rest + scene.motion() + "timestep 1.0\n"
 
 
@@ -189,9 +190,9 @@ def test_1_2_and_4_ranks_agree(lmp, scenes):
     scene, rest = tissue(scenes)
     deck = scene.head() + scene.cortex() + rest + scenes.dump(COLUMNS, 65)
     deck += cell_dump(scenes, 65) + "run 195\n"
-    one = lmp(deck)
+    one = lmp(deck, files=FILES)
     for np_ in (2, 4):
-        other = lmp(deck, np=np_)
+        other = lmp(deck, np=np_, files=FILES)
         for a, b in zip(one.dump(), other.dump(), strict=True):
             assert np.abs(a.x - b.x).max() < 1e-9
         for a, b in zip(one.dump("cells.txt"), other.dump("cells.txt"), strict=True):
@@ -208,12 +209,12 @@ def test_restart_is_bit_for_bit(lmp, scenes, np_, at):
     tail += f"restart {at} r.*\n"
     processors = "processors * 1 1\n"
     head = processors + scene.head() + scene.cortex()
-    whole = lmp(head + rest + tail + f"run {at + 15}\n", np=np_)
+    whole = lmp(head + rest + tail + f"run {at + 15}\n", np=np_, files=FILES)
     deck = f"read_restart r.{at}\npair_coeff * * {scene.map}\nneighbor 0.6 multi\n"
     again = lmp(
         processors + deck + rest.replace(scene.contact(), "") + tail + "run 15\n",
         np=np_,
-        files={f"r.{at}": whole.path / f"r.{at}"},
+        files={**FILES, f"r.{at}": whole.path / f"r.{at}"},
     )
     assert (whole.thermo[at]["v_n"] > 0) == (at == 195)
     for name, columns in (("dump.txt", COLUMNS), ("cells.txt", "c_of[1] c_of[2] c_of[3]")):
