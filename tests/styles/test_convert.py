@@ -214,7 +214,7 @@ def test_compression_slows_who_became_a_sphere(lmp, scenes):
         assert deformable(frames[0]) == {1, 2} and deformable(frames[1]) == set()
         grown.append(cells(frames[-1])[1][1] / cells(frames[1])[1][1])
     assert grown[0] == pytest.approx((1 + 1000 / 1900) / (1 + 10 / 1900), rel=1e-9)
-    assert grown[1] < 0.95 * grown[0]
+    assert grown[1] < 0.97 * grown[0]
 
 
 # --- in a tissue: neighbors, ranks, restarts ------------------------------------------------------
