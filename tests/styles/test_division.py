@@ -1,0 +1,670 @@
+"""Division of cells: daughters, their place, planes, ranks, restart files, books.
+
+A cell of radius 6 um with a cycle of 100 s divides at step 100 (dt 1 s).
+"""
+
+import re
+
+import numpy as np
+import pytest
+
+PERIOD = 100  # s, cycle time and step of the first division
+COLUMNS = "id mol type c_p[1] c_p[2] c_p[3] c_p[4] c_c[1] c_c[2] c_c[3] xu yu zu vx vy vz fx fy fz"
+CENTER, NODE, FACE = 2, 3, 4  # c_p[1]
+
+# --- decks ----------------------------------------------------------------------------------------
+
+
+def scene_of(scenes, *args, **options):
+    """Scene(...) without a type for center-based cells, for which pair_style would make room."""
+    scene = scenes.Scene(*args, **options)
+    scene.NAMES = "hepatoblast hepatoblast hepatoblast NULL"
+    return scene
+
+
+def fixes(scene, *, group="all", cycle=PERIOD, growth="", plane="", options="tolerance 1e-12"):
+    return (
+        "fix cell all dcm/cell\n"
+        + scene.volume()
+        + f"fix grow {group} dcm/growth {scene.map} seed 5 cycle_time {cycle} {growth}\n"
+        + f"fix divide all dcm/division seed 7 log div.log {plane}\n"
+        + scene.motion(options=options)
+        + "timestep 1.0\n"
+    )
+
+
+def output(scenes, every, columns=COLUMNS):
+    return (
+        "compute p all property/atom kind vertex1 vertex2 vertex3\n"
+        "compute c all dcm/cell volume volume0 contact_area\n"
+        + scenes.dump(columns, every)
+        + "thermo_style custom step atoms f_grow f_divide[1] f_divide[2] f_divide[5] f_divide[6]\n"
+        + "thermo_modify norm no format float %.17g\n"
+        + f"thermo {every}\n"
+    )
+
+
+def deck(scene, scenes, steps, *, every=1, before="", contact="", extra="", **options):
+    """A complete deck; before: ahead of the fixes, extra: ahead of the run."""
+    return (
+        scene.head()
+        + scene.cortex()
+        + (contact or scene.contact())
+        + before
+        + fixes(scene, **options)
+        + extra
+        + output(scenes, every)
+        + f"run {steps}\n"
+    )
+
+
+def read_log(path):
+    """Rows of a division log: dict of step, mother, daughters, axis, volumes ..."""
+    rows = []
+    for line in (path / "div.log").read_text().splitlines():
+        if line.startswith("#"):
+            continue
+        w = line.split()
+        rows.append({
+            "step": int(w[0]), "mother": int(w[2]), "daughters": (int(w[3]), int(w[4])),
+            "generation": int(w[5]), "kind": w[6], "axis": np.array(w[7:10], dtype=float),
+            "volume": float(w[10]), "volumes": (float(w[11]), float(w[12])),
+        })  # fmt: skip
+    return rows
+
+
+# --- cells of a frame -----------------------------------------------------------------------------
+
+
+class Cell:
+    """Nodes and faces of one deformable cell in a frame; at: dt to move the nodes on by."""
+
+    def __init__(self, frame, molecule, at=0.0):
+        mine = frame["mol"] == molecule
+        node, face = (mine & (frame["c_p[1]"] == kind) for kind in (NODE, FACE))
+        assert node.any(), f"no cell {molecule} at step {frame.step}"
+        self.x = frame.x[node] + at * frame.v[node]
+        self.f, self.v = frame.f[node], frame.v[node]
+        index = {tag: n for n, tag in enumerate(frame["id"][node].astype(int))}
+        vertex = frame.vectors("c_p[2]", "c_p[3]", "c_p[4]")[face].astype(int)
+        self.faces = np.array([[index[v] for v in f] for f in vertex])
+        center = frame["c_p[1]"] == CENTER
+        self.volume0, self.contact = (frame[c][mine & center][0] for c in ("c_c[2]", "c_c[3]"))
+
+    @property
+    def corners(self):
+        return tuple(self.x[self.faces[:, k]] for k in range(3))
+
+    @property
+    def volume(self):
+        a, b, c = (p - self.x[0] for p in self.corners)
+        return np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
+
+    @property
+    def centroid(self):
+        """Of the enclosed volume."""
+        a, b, c = (p - self.x[0] for p in self.corners)
+        w = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+        return self.x[0] + (w[:, None] * (a + b + c) / 4.0).sum(axis=0) / w.sum()
+
+    @property
+    def radius(self):
+        return np.cbrt(0.75 * self.volume / np.pi)
+
+    @property
+    def quality(self):
+        """Of the worst face; 1: equilateral."""
+        a, b, c = self.corners
+        sides = sum(((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a)))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        return (2.0 * np.sqrt(3.0) * area / sides).min()
+
+    def check(self):
+        """Closed, oriented, of the topology of a sphere, every node in use."""
+        half = [(f[k], f[(k + 1) % 3]) for f in self.faces for k in range(3)]
+        assert len(set(half)) == len(half)
+        assert {(b, a) for a, b in half} == set(half)
+        assert len(self.x) - len(half) // 2 + len(self.faces) == 2
+        assert set(self.faces.ravel()) == set(range(len(self.x)))
+        assert self.volume > 0.0
+
+    def depth(self, points):
+        """How deep the points lie inside, negative outside."""
+        a, b, c = (p[None] - points[:, None] for p in self.corners)
+        la, lb, lc = (np.linalg.norm(v, axis=2) for v in (a, b, c))
+        dot = lambda u, v: np.einsum("ijk,ijk->ij", u, v)  # noqa: E731
+        top = dot(a, np.cross(b, c))
+        low = la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la
+        inside = 2.0 * np.arctan2(top, low).sum(axis=1) > 2.0 * np.pi
+        distance = np.array([self._distance(p) for p in points])
+        return np.where(inside, distance, -distance)
+
+    def _distance(self, p):
+        """To the nearest triangle: to its plane where the foot lies within, else to an edge."""
+        a, b, c = self.corners
+        n = np.cross(b - a, c - a)
+        n /= np.linalg.norm(n, axis=1)[:, None]
+        height = ((p - a) * n).sum(axis=1)
+        foot = p - height[:, None] * n
+        within = np.ones(len(a), dtype=bool)
+        nearest = np.inf
+        for u, w in ((a, b), (b, c), (c, a)):
+            e = w - u
+            within &= (np.cross(e, foot - u) * n).sum(axis=1) >= 0.0
+            t = np.clip(((p - u) * e).sum(axis=1) / (e * e).sum(axis=1), 0.0, 1.0)
+            nearest = min(nearest, np.linalg.norm(p - u - t[:, None] * e, axis=1).min())
+        return min(nearest, np.abs(height[within]).min() if within.any() else np.inf)
+
+
+def molecules(frame):
+    return sorted(set(frame["mol"].astype(int)))
+
+
+def frame_at(result, step):
+    return next(frame for frame in result.dump() if frame.step == step)
+
+
+def balanced(frame):
+    """Forces sum to zero to round-off."""
+    return np.abs(frame.f.sum(axis=0)).max() < 1e-12 * np.abs(frame.f).sum()
+
+
+# --- one division ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=[1, 2])
+def alone(request, lmp_module, scenes):
+    """One cell that divides, every step dumped: (result, mother when it divides, daughters)."""
+    scene = scene_of(scenes, 15.0, level=request.param)
+    scene.dcm(0.0, 0.0, 0.0, 6.0)
+    result = lmp_module(deck(scene, scenes, PERIOD + 50))
+    mother = Cell(frame_at(result, PERIOD - 1), 1, at=1.0)  # moved on before it divides
+    frame = frame_at(result, PERIOD)
+    assert molecules(frame) == [2, 3]
+    return result, mother, [Cell(frame, n) for n in (2, 3)]
+
+
+def test_volumes(alone):
+    result, mother, daughters = alone
+    (row,) = read_log(result.path)
+    assert (row["step"], row["mother"], row["daughters"]) == (PERIOD, 1, (2, 3))
+    assert (row["generation"], row["kind"]) == (1, "dcm")
+    assert row["volume"] == pytest.approx(mother.volume, rel=1e-7)
+    for d, logged in zip(daughters, row["volumes"], strict=True):
+        assert d.volume == pytest.approx(logged, rel=1e-7)
+        assert d.volume == pytest.approx(0.5 * mother.volume, rel=2e-6)
+        assert d.volume0 == 0.5 * mother.volume0  # to the last bit
+    assert mother.volume0 == pytest.approx(2.0 * 4.0 / 3.0 * np.pi * 6.0**3, rel=1e-12)
+
+
+def test_meshes(alone):
+    _, mother, daughters = alone
+    for d in daughters:
+        d.check()
+        assert len(d.x) == len(mother.x)
+        assert d.quality > 0.6
+
+
+def test_daughters_lie_in_the_mothers_space(alone):
+    """Nodes stick out of envelope and plane by less than 0.04 of a radius, and as reported.
+
+    That is below the smallest range of adhesion, 0.35 um.
+    """
+    result, mother, daughters = alone
+    (row,) = read_log(result.path)
+    center = mother.centroid
+    worst = 0.0
+    for d, sign in zip(daughters, (1.0, -1.0), strict=True):
+        # the plane that halves a round cell goes through its center
+        beyond = -(sign * (d.x - center) @ row["axis"]).min()
+        outside = -mother.depth(d.x).min()
+        worst = max(worst, beyond / d.radius, outside / d.radius)
+        assert max(outside, beyond) < 0.04 * d.radius < 0.35
+        assert sign * (d.centroid - center) @ row["axis"] > 0.4 * d.radius
+    assert result.thermo[-1]["f_divide[5]"] == pytest.approx(worst, rel=0.1)
+    assert result.thermo[-1]["f_divide[6]"] == pytest.approx(
+        min(d.quality for d in daughters), rel=1e-6
+    )
+
+
+def test_no_net_force_no_momentum(alone):
+    result, mother, daughters = alone
+    for frame in result.dump():
+        assert balanced(frame), frame.step
+    # the daughters' common center stays the mother's, and stays where it is
+    center = sum(d.centroid for d in daughters) / 2.0
+    assert np.linalg.norm(center - mother.centroid) < 0.01 * mother.radius
+    last = frame_at(result, PERIOD + 50)
+    later = sum(Cell(last, n).centroid for n in (2, 3)) / 2.0
+    assert np.linalg.norm(later - center) < 0.01 * mother.radius
+    for step in (PERIOD, PERIOD + 1, PERIOD + 2):
+        frame = frame_at(result, step)
+        node = frame["c_p[1]"] == NODE
+        momentum = np.linalg.norm(frame.v[node].sum(axis=0))
+        assert momentum < 1e-3 * np.linalg.norm(frame.v[node], axis=1).sum(), step
+
+
+def test_sisters_adhere(alone):
+    """They are in contact from the first step on."""
+    result, _, _ = alone
+    for step in range(PERIOD, PERIOD + 51):
+        frame = frame_at(result, step)
+        one, two = (Cell(frame, n) for n in (2, 3))
+        assert one.contact > one.radius**2 and two.contact > one.radius**2, step
+    assert np.linalg.norm(one.centroid - two.centroid) < 1.6 * one.radius
+
+
+def test_adhesion_of_sisters(lmp, scenes):
+    """W takes from the force between newborn sisters, and keeps them together later."""
+    force, area, distance = [], [], []
+    for work in (0.0, 0.1):
+        scene = scene_of(scenes, 20.0)
+        scene.dcm(0.0, 0.0, 0.0, 6.0)
+        contact = scene.contact("h0 0.4", f"W {work}")
+        text = deck(scene, scenes, PERIOD, every=PERIOD, contact=contact)
+        result = lmp(text + "unfix divide\nunfix grow\ntimestep 2.0\nrun 3000\n")
+        (row,) = read_log(result.path)
+        newborn, later = frame_at(result, PERIOD), result.dump()[-1]
+        force.append(Cell(newborn, 2).f.sum(axis=0) @ row["axis"])
+        one, two = (Cell(later, n) for n in (2, 3))
+        area.append(one.contact)
+        distance.append(np.linalg.norm(one.centroid - two.centroid))
+    assert force[0] > force[1] + 1.0  # nN
+    assert area[1] > area[0] + 1.0 and distance[1] < distance[0] - 0.1, (area, distance)
+
+
+def test_same_tags_are_used_again(alone):
+    """Tags have no gaps, molecule IDs are new."""
+    result, mother, _ = alone
+    last = result.dump()[-1]
+    size = 1 + len(mother.x) + len(mother.faces)
+    assert (np.sort(last["id"]) == np.arange(1, 2 * size + 1)).all()
+    assert set(last["mol"]) == {2, 3}
+
+
+# --- among others ---------------------------------------------------------------------------------
+
+
+def test_neighbors_are_not_torn(lmp, scenes):
+    """A cell with six neighbors divides; none of their nodes moves by a tenth of a radius."""
+    scene = scene_of(scenes, 25.0)
+    scene.dcm(0.0, 0.0, 0.0, 6.0)
+    for k in range(3):
+        for sign in (-1.0, 1.0):
+            at = [0.0, 0.0, 0.0]
+            at[k] = sign * 11.9
+            scene.dcm(*at, 6.0)
+    result = lmp(
+        deck(scene, scenes, PERIOD + 5, before="group mother molecule 1\n", group="mother")
+    )
+    assert [row["mother"] for row in read_log(result.path)] == [1]
+    before, at, after = (frame_at(result, PERIOD + k) for k in (-1, 0, 1))
+    assert molecules(after) == [2, 3, 4, 5, 6, 7, 8, 9]
+    for n in range(2, 8):
+        cells = [Cell(frame, n) for frame in (before, at, after)]
+        assert cells[0].contact > 0.0 and cells[1].contact > 0.0 and cells[2].contact > 0.0
+        for a, b in zip(cells, cells[1:]):
+            assert np.linalg.norm(b.x - a.x, axis=1).max() < 0.1 * a.radius
+    for frame in result.dump():
+        assert balanced(frame), frame.step
+    for n in (8, 9):
+        Cell(after, n).check()
+
+
+def test_all_in_one_step(lmp, scenes):
+    """Five cells divide in the same step: molecules in the order of the mothers."""
+    scene = scene_of(scenes, 35.0)
+    for x, y, z in ((0, 0, 0), (11.9, 0, 0), (0, 11.9, 0), (-11.9, 0, 0), (0, 0, 20)):
+        scene.dcm(x, y, z, 6.0)
+    result = lmp(deck(scene, scenes, PERIOD + 10, every=10))
+    rows = read_log(result.path)
+    assert [(row["step"], row["mother"]) for row in rows] == [(PERIOD, n) for n in range(1, 6)]
+    assert [row["daughters"] for row in rows] == [(k, k + 1) for k in range(6, 16, 2)]
+    frame = frame_at(result, PERIOD)
+    assert molecules(frame) == list(range(6, 16))
+    assert len(set(frame["id"])) == len(frame["id"])
+    assert balanced(frame)
+    for row in rows:
+        for n, volume in zip(row["daughters"], row["volumes"], strict=True):
+            cell = Cell(frame, n)
+            cell.check()
+            assert cell.volume == pytest.approx(volume, rel=1e-7)
+            assert 2.0 * volume == pytest.approx(row["volume"], rel=2e-6)
+
+
+# --- planes ---------------------------------------------------------------------------------------
+
+
+def along(result, row):
+    """Cosine of the angle between the line from daughter 2 to 1 and the axis."""
+    one, two = (Cell(frame_at(result, row["step"]), n).centroid for n in row["daughters"])
+    return (one - two) @ row["axis"] / np.linalg.norm(one - two)
+
+
+def test_plane_given(lmp, scenes):
+    scene = scene_of(scenes, 15.0)
+    scene.dcm(0.0, 0.0, 0.0, 6.0)
+    result = lmp(deck(scene, scenes, PERIOD, every=50, plane="plane given 1 -2 2"))
+    (row,) = read_log(result.path)
+    assert row["axis"] == pytest.approx(np.array([1.0, -2.0, 2.0]) / 3.0, abs=1e-8)
+    assert along(result, row) > 0.999
+
+
+def second_moment(cell):
+    """Of the enclosed volume, about its centroid; independent of the package."""
+    a, b, c = (p - cell.centroid for p in cell.corners)
+    w = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    s = a + b + c
+    outer = lambda u: np.einsum("i,ij,ik->jk", w, u, u)  # noqa: E731
+    return (outer(a) + outer(b) + outer(c) + outer(s)) / 20.0
+
+
+@pytest.mark.parametrize("direction", [(1, 0, 0), (2, -1, 3)])
+def test_plane_long(lmp, scenes, direction):
+    """The longest axis of the body, found here from the volume's second moment."""
+    nodes, faces = scenes.icosphere(2)
+    axis = np.array(direction, dtype=float) / np.linalg.norm(direction)
+    nodes = nodes + 0.7 * np.outer(nodes @ axis, axis)
+    scene = scene_of(scenes, 20.0)
+    scene.dcm(
+        0.0, 0.0, 0.0, 6.0, mesh=("long.off", len(nodes), len(faces)), options="rest 0.95"
+    )
+    result = lmp(
+        deck(scene, scenes, 20, cycle=20, plane="plane long"),
+        files={"long.off": scenes.off(nodes, faces)},
+    )
+    (row,) = read_log(result.path)
+    mother = Cell(frame_at(result, 19), 1, at=1.0)
+    values, vectors = np.linalg.eigh(second_moment(mother))
+    assert values[2] > 1.3 * values[1], "the mother is not long any more"
+    assert abs(vectors[:, 2] @ row["axis"]) == pytest.approx(1.0, abs=1e-7)
+    assert abs(axis @ row["axis"]) > 0.999
+    assert along(result, row) > 0.999
+
+
+def test_plane_variable(lmp, scenes):
+    """Atom-style variables, here the direction from the origin to the cell."""
+    scene = scene_of(scenes, 30.0)
+    places = ((12.0, 3.0, 0.0), (-8.0, 8.0, 8.0), (0.0, -10.0, -5.0))
+    for at in places:
+        scene.dcm(*at, 6.0)
+    variables = "variable ax atom x\nvariable ay atom y\nvariable az atom 2*z\n"
+    result = lmp(
+        deck(scene, scenes, PERIOD, every=50, before=variables, plane="plane variable v_ax v_ay v_az")
+    )
+    rows = read_log(result.path)
+    assert len(rows) == 3
+    for row, at in zip(rows, places, strict=True):
+        wanted = np.array(at) * [1.0, 1.0, 2.0]
+        assert row["axis"] @ wanted / np.linalg.norm(wanted) > 0.999
+        assert along(result, row) > 0.999
+
+
+def grid_of_spheres(scene, n, spacing):
+    for i in range(n**3):
+        at = np.array([i % n, i // n % n, i // n // n]) - 0.5 * (n - 1)
+        scene.cbm(*(spacing * at), 5.0)
+
+
+def spheres_deck(scene, scenes, steps, plane="", cycle=PERIOD):
+    return (
+        scene.head()
+        + f"pair_style dcm/contact\npair_coeff * * {scene.map}\nneighbor 0.8 bin\n"
+        + "fix cell all dcm/cell\n"
+        + f"fix grow all dcm/growth {scene.map} seed 5 cycle_time {cycle}\n"
+        + f"fix divide all dcm/division seed 7 log div.log {plane}\n"
+        + scene.motion()
+        + "timestep 1.0\n"
+        + scenes.dump("id mol type radius xu yu zu vx vy vz fx fy fz", 1)
+        + f"run {steps}\n"
+    )
+
+
+def test_planes_at_random_are_isotropic(lmp, scenes):
+    """216 center-based cells: means of axes and of their products, within 4 standard errors."""
+    scene = scenes.Scene(60.0)
+    scene.NAMES = "NULL NULL NULL hepatoblast_cbm"
+    grid_of_spheres(scene, 6, 18.0)
+    result = lmp(spheres_deck(scene, scenes, 4, cycle=4))
+    axes = np.array([row["axis"] for row in read_log(result.path)])
+    n = len(axes)
+    assert n == 216
+    assert np.linalg.norm(axes, axis=1) == pytest.approx(1.0, abs=1e-7)
+    assert np.abs(axes.mean(axis=0)).max() < 4.0 * np.sqrt(1.0 / 3.0 / n)
+    moment = axes.T @ axes / n
+    assert np.abs(np.diag(moment) - 1.0 / 3.0).max() < 4.0 * np.sqrt(4.0 / 45.0 / n)
+    assert np.abs(moment[np.triu_indices(3, 1)]).max() < 4.0 * np.sqrt(1.0 / 15.0 / n)
+
+
+def test_random_planes_depend_on_the_seed(lmp, scenes):
+    axes = []
+    for plane in ("plane random", "", "seed 8"):
+        scene = scene_of(scenes, 15.0)
+        scene.dcm(0.0, 0.0, 0.0, 6.0)
+        result = lmp(deck(scene, scenes, 10, every=10, cycle=10, plane=plane))
+        (row,) = read_log(result.path)
+        assert along(result, row) > 0.999
+        axes.append(row["axis"])
+    assert (axes[0] == axes[1]).all()
+    assert abs(axes[0] @ axes[2]) < 0.99
+
+
+# --- center-based cells ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", ["cbm soften 50", "cbm truncate 2"])
+def test_spheres_divide_in_their_space(lmp, scenes, mode):
+    """Half the volume each, within the mother; the sisters' contact is held back, then is not."""
+    scene = scenes.Scene(20.0)
+    scene.NAMES = "NULL NULL NULL hepatoblast_cbm"
+    scene.cbm(0.0, 0.0, 0.0, 5.0)
+    result = lmp(spheres_deck(scene, scenes, 195, mode))
+    (row,) = read_log(result.path)
+    assert (row["step"], row["kind"], row["daughters"]) == (PERIOD, "cbm", (2, 3))
+    mother, newborn = frame_at(result, PERIOD - 1), frame_at(result, PERIOD)
+    big, small = mother["radius"][0], newborn["radius"]
+    assert big == pytest.approx(5.0 * np.cbrt(2.0), rel=1e-9)
+    assert small == pytest.approx(np.full(2, 5.0), rel=1e-9)
+    assert np.linalg.norm(newborn.x, axis=1) + small == pytest.approx(np.full(2, big), rel=1e-9)
+    forces = []
+    for frame in result.dump():
+        assert balanced(frame) or np.abs(frame.f).max() == 0.0
+        if frame.step >= PERIOD:
+            one = frame.x[0] - frame.x[1]
+            forces.append(frame.f[0] @ one / np.linalg.norm(one))
+    most = 2.0 if "truncate" in mode else np.inf
+    assert 0.0 < forces[0] <= most * (1 + 1e-12)
+    assert max(forces[:-1]) <= most * (1 + 1e-12) and max(forces) < 50.0
+    last = result.dump()[-1].x
+    assert np.linalg.norm(last[0] - last[1]) > 1.5 * 5.0
+
+
+# --- ranks ----------------------------------------------------------------------------------------
+
+
+def crowd(scenes, boundary="p p p"):
+    """Three deformable and four center-based cells across the borders of ranks."""
+    scene = scenes.hybrid(level=1, boundary=boundary, box=(27.0, 27.0, 14.0), shift=(3.0, 2.0, 0.5))
+    return scene, scene.contact().replace("neighbor 0.6", "neighbor 0.8")
+
+
+@pytest.mark.parametrize("boundary", ["f f f", "p p p", "s s s"])
+@pytest.mark.parametrize("style", ["brick", "tiled"])
+def test_1_2_and_4_ranks_agree(lmp, scenes, style, boundary):
+    scene, contact = crowd(scenes, boundary)
+    if boundary == "f f f":
+        scene = scenes.hybrid(level=1, boundary=boundary, box=30.0, shift=(3.0, 2.0, 0.5))
+    extra = "comm_style brick\n"
+    if style == "tiled":
+        extra = "comm_style tiled\nfix balance all balance 20 1.05 rcb\n"
+    text = deck(
+        scene, scenes, 70, every=10, contact=contact, cycle=50, growth="cycle_sd 8", extra=extra
+    )
+    one = lmp(text)
+    rows = read_log(one.path)
+    assert len(rows) >= 6 and {row["kind"] for row in rows} == {"dcm", "cbm"}
+    assert len({row["step"] for row in rows}) > 3
+    for np_ in (2, 4):
+        other = lmp(text, np=np_)
+        assert (other.path / "div.log").read_bytes() == (one.path / "div.log").read_bytes()
+        for a, b in zip(one.dump(), other.dump(), strict=True):
+            for name in ("id", "mol", "type"):
+                assert (a[name] == b[name]).all(), (np_, a.step, name)
+            assert np.abs(a.x - b.x).max() < 1e-9, (np_, a.step)
+
+
+# --- restart files --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+@pytest.mark.parametrize("at", [PERIOD // 2, PERIOD - 1, PERIOD, PERIOD + 1, PERIOD + 10])
+def test_restart_is_bit_for_bit(lmp, scenes, at, np_):
+    """Between divisions, in the step before, the step of it, and as the daughters relax.
+
+    All cells divide at step 100 and, as a restart from before shows, at 200.
+    """
+    scene, contact = crowd(scenes)
+    processors = "processors * 1 1\n"
+    columns = "id mol type radius xu yu zu vx vy vz fx fy fz"
+    end = max(PERIOD + 20, at + 15)
+
+    def rest(first):
+        return (
+            fixes(scene)
+            + output(scenes, 5, columns)
+            + f"restart {at} r.*\nrun {end if first else end - at}\n"
+        )
+
+    whole = lmp(processors + scene.head() + scene.cortex() + contact + rest(True), np=np_)
+    assert len(read_log(whole.path)) == 7
+    again = lmp(
+        processors + f"read_restart r.{at}\npair_coeff * * {scene.map}\nneighbor 0.8 multi\n" + rest(False),
+        np=np_,
+        files={f"r.{at}": whole.path / f"r.{at}"},
+    )
+    expected = {frame.step: frame for frame in whole.dump()}
+    found = [frame for frame in again.dump() if frame.step in expected and frame.step > at]
+    assert found[-1].step == end // 5 * 5
+    for frame in found:
+        for name in columns.split():
+            different = np.flatnonzero(expected[frame.step][name] != frame[name])
+            assert not len(different), (
+                f"step {frame.step}: {name} of {len(different)} atoms differs, by up to "
+                f"{np.abs(expected[frame.step][name] - frame[name]).max():.3g}"
+            )
+    lines = [line for line in (whole.path / "div.log").read_text().splitlines() if line[0] != "#"]
+    more = [line for line in (again.path / "div.log").read_text().splitlines() if line[0] != "#"]
+    assert more == (lines if at < PERIOD else [])
+    for key, value in whole.thermo[-1].items():
+        assert again.thermo[-1][key] == value, key
+
+
+# --- books ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+def test_counts_after_generations(lmp, scenes, np_):
+    """Three generations: eight cells, every atom, bond and dihedral there once."""
+    scene = scene_of(scenes, 25.0)
+    scene.dcm(0.0, 0.0, 0.0, 6.0)
+    text = deck(scene, scenes, 3 * PERIOD, every=PERIOD)
+    result = lmp(text + "write_data out.data nofix nocoeff\n", np=np_)
+    last = result.dump()[-1]
+    assert molecules(last) == list(range(8, 16))
+    for n in range(8, 16):
+        Cell(last, n).check()
+    head, _, body = (result.path / "out.data").read_text().partition("Atoms")
+    count = {w[1]: int(w[0]) for w in (line.split() for line in head.splitlines()) if len(w) == 2}
+    assert (count["atoms"], count["bonds"], count["dihedrals"]) == (8 * 123, 8 * 120, 8 * 120)
+    owner = dict(zip(last["id"].astype(int), last["mol"].astype(int)))
+    bonds = [line.split()[2:4] for line in section(body, "Bonds")]
+    assert len({frozenset(b) for b in bonds}) == len(bonds) == 8 * 120
+    assert all(owner[int(a)] == owner[int(b)] for a, b in bonds)
+    dihedrals = [line.split()[2:6] for line in section(body, "Dihedrals")]
+    assert len({frozenset(d[1:3]) for d in dihedrals}) == len(dihedrals) == 8 * 120
+    assert all(len({owner[int(a)] for a in d}) == 1 for d in dihedrals)
+    generations = [row["generation"] for row in read_log(result.path)]
+    assert generations == [1, 2, 2, 3, 3, 3, 3]
+
+
+def section(text, name):
+    """Lines of a section of a data file."""
+    body = text.partition(f"\n{name}\n\n")[2]
+    return body.partition("\n\n")[0].splitlines()
+
+
+def test_too_few_slots(lmp, scenes):
+    """A data file of octahedra has two slots per node; daughters need three. Said at setup."""
+    nodes = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)])
+    faces = [(x, y, z) for x in (0, 1) for y in (2, 3) for z in (4, 5)]
+    faces = [f if (f[0] + f[1] + f[2]) % 2 == 0 else f[::-1] for f in faces]
+    scene = scene_of(scenes, 15.0)
+    scene.dcm(0.0, 0.0, 0.0, 6.0, mesh=("eight.off", 6, 8))
+    head = scene.head().replace(" extra/bond/per/atom 8 extra/dihedral/per/atom 8", "")
+    written = lmp(
+        head + "write_data out.data nofix nocoeff\n",
+        files={"eight.off": scenes.off(nodes, faces)},
+    )
+    for slots in ("", " extra/bond/per/atom 3 extra/dihedral/per/atom 3"):
+        result = lmp.run(
+            f"units lj\natom_style dcm\nnewton on\nboundary s s s\nread_data out.data{slots}\n"
+            + scene.cortex()
+            + scene.contact("h0 1.0 range 5.0")
+            + fixes(scene)
+            + "run 1\n",
+            files={"out.data": written.path / "out.data"},
+        )
+        if slots:
+            assert result.returncode == 0, result.tail()
+            continue
+        assert result.returncode != 0
+        assert re.search(
+            r"dcm/division: a node needs 3 bond and 3 dihedral slots, there are 2 and 2; add "
+            r"'extra/bond/per/atom 3 extra/dihedral/per/atom 3' to create_box or read_data",
+            result.error,
+        ), result.error
+
+
+def test_groups_are_inherited(lmp, scenes):
+    """Each sort of atoms of a daughter is in the groups in which all those of its mother are."""
+    scene = scene_of(scenes, 25.0)
+    scene.dcm(-7.0, 0.0, 0.0, 6.0)
+    scene.dcm(7.0, 0.0, 0.0, 6.0)
+    before = "group left molecule 1\ngroup nodes type 2\ngroup centers type 1\n"
+    groups = "left nodes centers all"
+    extra = "".join(
+        f"variable n_{g} equal count({g})\n" for g in groups.split()
+    ) + "fix count all ave/time 1 1 1 " + " ".join(
+        f"v_n_{g}" for g in groups.split()
+    ) + " file count.txt\n"
+    result = lmp(deck(scene, scenes, PERIOD, every=PERIOD, before=before, extra=extra))
+    rows = [line.split() for line in (result.path / "count.txt").read_text().splitlines()]
+    counts = {int(r[0]): [int(float(x)) for x in r[1:]] for r in rows if r[0] != "#"}
+    assert counts[PERIOD - 1] == [123, 84, 2, 246]
+    assert counts[PERIOD] == [246, 168, 4, 492]
+
+
+@pytest.mark.parametrize(
+    "old, new, message",
+    [
+        ("fix divide all dcm/division seed 7", "fix divide all dcm/division", "keyword seed is missing"),
+        ("fix grow", "#", "needs a fix dcm/growth"),
+        ("log div.log", "plane given 0 0 0", "has no direction"),
+        ("log div.log", "plane sideways", "unknown plane sideways"),
+        ("log div.log", "plane variable v_a v_b v_c", "no atom-style variable a"),
+        ("log div.log", "cbm soft 3", "cbm must be soften T or truncate F"),
+        ("log div.log", "log nowhere/div.log", "cannot open log nowhere/div.log"),
+        ("log div.log", "tolerance 0.5", "must be at most 0.1"),
+        ("log div.log", "maxiter 3", "raise maxiter"),
+        ("log div.log", "colour red", "unknown keyword colour"),
+        ("timestep", "fix second all dcm/division seed 3\ntimestep", "at most one"),
+    ],
+)  # fmt: skip
+def test_bad_input(lmp, scenes, old, new, message):
+    scene = scene_of(scenes, 15.0)
+    scene.dcm(0.0, 0.0, 0.0, 6.0)
+    text = deck(scene, scenes, 10, every=10, cycle=10)
+    assert text.count(old) == 1
+    result = lmp.run(text.replace(old, new))
+    assert result.returncode != 0
+    assert message in result.error, result.error
