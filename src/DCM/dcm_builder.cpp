@@ -146,7 +146,7 @@ void DCMBuilder::create(const Types &type, const Topology &top, const Deformable
   std::vector<int> local;
   for (size_t n = 0; n < cell.x.size(); n++)
     local.push_back(create_atom(cell.x[n].data(), type.node, AtomVecDCM::NODE, first + (tagint) n,
-                                cell.molecule, cell.mask, cell.v));
+                                cell.molecule, cell.node_mask, cell.v));
 
   for (size_t h = 0; h < top.hinges.size(); h++) {
     std::array<int, 4> n = top.hinges[h];
@@ -170,8 +170,8 @@ void DCMBuilder::create(const Types &type, const Topology &top, const Deformable
     const auto &v = top.mesh.faces[f];
     const Vec3 mid = (cell.x[v[0]] + cell.x[v[1]] + cell.x[v[2]]) / 3.0;
     const tagint tag = first_face + (tagint) f;
-    const int i =
-        create_atom(mid.data(), type.face, AtomVecDCM::FACE, tag, cell.molecule, cell.mask, cell.v);
+    const int i = create_atom(mid.data(), type.face, AtomVecDCM::FACE, tag, cell.molecule,
+                              cell.face_mask, cell.v);
     if (i < 0) continue;
     if (!cell.region.empty()) dcm->region[i] = cell.region[f];
     for (int k = 0; k < 3; k++) {

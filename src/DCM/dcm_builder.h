@@ -49,7 +49,7 @@ class DCMBuilder : protected Pointers {
 
   struct Deformable {
     tagint molecule = 0, tag = 0;    // tag: of the center; nodes and faces follow
-    int mask = 1;                    // groups
+    int mask = 1, node_mask = 1, face_mask = 1;    // groups of center, nodes, faces
     double volume0 = 0.0;            // rest volume
     double v[3] = {0.0, 0.0, 0.0};
     std::vector<dcm::Vec3> x;          // node positions, unwrapped

@@ -126,6 +126,7 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
           break;
         case AtomVecDCM::NODE:
           cell.types.node = part.type;
+          cell.node_mask = node.empty() ? part.mask : cell.node_mask & part.mask;
           node[part.tag] = (int) cell.mesh.nodes.size();
           cell.mesh.nodes.push_back(x);
           cell.v += v;
@@ -133,6 +134,7 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
           break;
         case AtomVecDCM::FACE:
           cell.types.face = part.type;
+          cell.face_mask = faces.empty() ? part.mask : cell.face_mask & part.mask;
           cell.region.push_back(part.region);
           faces.push_back(&part);
           break;

@@ -35,7 +35,8 @@ class DCMSurgery : protected Pointers {
 
   struct Cell {
     tagint molecule = 0;
-    int mask = 1;
+    int mask = 1;                          // groups of the center or sphere
+    int node_mask = 1, face_mask = 1;      // groups that all nodes, all faces are in
     DCMBuilder::Types types;
     dcm::Mesh mesh;             // unwrapped, nodes and faces by tag
     std::vector<double> l0;     // per edge of dcm::edges(mesh)

@@ -293,7 +293,7 @@ void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &c
 
   DCMBuilder::Deformable to;
   to.molecule = cell.molecule;
-  to.mask = cell.mask;
+  to.mask = to.node_mask = to.face_mask = cell.mask;
   to.volume0 = ratio * volume;
   for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
   to.x = dcm::fit_between({cell.x, cell.radius}, volume, neighbors, round);

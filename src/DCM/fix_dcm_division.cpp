@@ -389,7 +389,7 @@ void FixDCMDivision::grow(std::vector<Job> &jobs)
 void FixDCMDivision::check(const Job &job) const
 {
   for (const auto &d : job.daughter) {
-    if (!d.problem.empty())
+    if (!d.problem.empty() && (d.converged || d.iterations < settings.maxiter))
       error->all(
           FLERR,
           "{}: cell {} (volume {:.6}) cannot divide at step {}: {}; reduce the time step, or "
@@ -414,6 +414,8 @@ void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
   const auto &top = *job.round;
   DCMBuilder::Deformable daughter;
   daughter.mask = job.mother.mask;
+  daughter.node_mask = job.mother.node_mask;
+  daughter.face_mask = job.mother.face_mask;
   daughter.volume0 = 0.5 * job.mother.volume0;
   for (int k = 0; k < 3; k++) daughter.v[k] = job.mother.v[k];
 
