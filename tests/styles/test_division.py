@@ -330,8 +330,12 @@ def test_spheres_divide_in_their_space(lmp, scenes, mode):
     most = 2.0 if "truncate" in mode else np.inf
     assert 0.0 < forces[0] <= most * (1 + 1e-12)
     assert max(forces[:-1]) <= most * (1 + 1e-12) and max(forces) < 50.0
+    # they are pushed apart, and harder the longer they have been apart with `soften`
     last = list(frames_of(result).values())[-1].x
-    assert np.linalg.norm(last[0] - last[1]) > 1.5 * 5.0
+    assert np.linalg.norm(last[0] - last[1]) > 1.01 * np.linalg.norm(newborn.x[0] - newborn.x[1])
+    if "soften" in mode:
+        assert forces[0] < 2e-3 * forces[50] and forces[25] < 0.6 * forces[50]
+        assert max(forces) < 1.5 * forces[50]  # the spheres grow again
 
 
 # --- ranks ----------------------------------------------------------------------------------------
