@@ -139,7 +139,7 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
           break;
         case AtomVecDCM::NODE:
           cell.types.node = part.type;
-          cell.masks.node = part.mask;
+          cell.masks.node = node.empty() ? part.mask : cell.masks.node & part.mask;
           node[part.tag] = (int) cell.mesh.nodes.size();
           cell.mesh.nodes.push_back(x);
           cell.v += v;
@@ -147,7 +147,7 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
           break;
         case AtomVecDCM::FACE:
           cell.types.face = part.type;
-          cell.masks.face = part.mask;
+          cell.masks.face = faces.empty() ? part.mask : cell.masks.face & part.mask;
           cell.region.push_back(part.region);
           faces.push_back(&part);
           break;

@@ -35,7 +35,7 @@ class DCMSurgery : protected Pointers {
 
   struct Cell {
     tagint molecule = 0;
-    DCMBuilder::Masks masks;
+    DCMBuilder::Masks masks;    // groups of the center or sphere, of all nodes, of all faces
     DCMBuilder::Types types;
     dcm::Mesh mesh;             // unwrapped, nodes and faces by tag
     std::vector<double> l0;     // per edge of dcm::edges(mesh)

@@ -394,7 +394,7 @@ void FixDCMDivision::grow(std::vector<Job> &jobs)
 void FixDCMDivision::check(const Job &job) const
 {
   for (const auto &d : job.daughter) {
-    if (!d.problem.empty())
+    if (!d.problem.empty() && (d.converged || d.iterations < settings.maxiter))
       error->all(
           FLERR,
           "{}: cell {} (volume {:.6}) cannot divide at step {}: {}; reduce the time step, or "

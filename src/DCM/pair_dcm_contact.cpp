@@ -234,6 +234,20 @@ static inline bool separated(const dcm::FaceGeometry &f, const dcm::FaceGeometry
   return front + back < side.squaredNorm();
 }
 
+/* ----------------------------------------------------------------------
+   does a face lie on the line through a point along u?
+------------------------------------------------------------------------- */
+
+static inline bool covers(const dcm::FaceGeometry &face, const Vec3 &point, const Vec3 &u)
+{
+  const double sign = face.n.dot(u) > 0.0 ? 1.0 : -1.0;
+  for (int k = 0; k < 3; k++) {
+    const Vec3 edge = face.x[(k + 1) % 3] - face.x[k];
+    if (sign * edge.cross(point - face.x[k]).dot(u) < 0.0) return false;
+  }
+  return true;
+}
+
 /* ---------------------------------------------------------------------- */
 
 template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_faces()
@@ -265,14 +279,16 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
       if (HISTORY) *face_touch[n] = 0;
       continue;
     }
-    // faces that have passed through each other look at each other; others so far behind each
-    // other stand beside the same fold or corner and do not touch
+    // faces that have passed through each other look at each other and have their middles on the
+    // same line; others so far behind each other stand beside the same fold or corner, as those of
+    // newborn cells do, and do not touch
 
     const auto &face = faces[fi], &other = faces[gi];
     const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(-g.n.dot(r.u));
     const double overlap = -apart.dot(r.u);
     const bool beyond = !(overlap <= overlap_used), opposed = !(f.n.dot(g.n) > OPPOSED);
-    if (!std::isfinite(r.force) || (beyond && opposed))
+    if (!std::isfinite(r.force) ||
+        (beyond && opposed && covers(f, g.mid, r.u) && covers(g, f.mid, r.u)))
       fail_pair(face.atom, other.atom, overlap, overlap_used, r.force);
     const bool touching = !beyond && weight > 0.0;
     if (HISTORY) *face_touch[n] = touching;
