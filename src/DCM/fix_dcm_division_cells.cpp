@@ -1,0 +1,223 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+// The division of one cell of fix dcm/division: its sub-simulation, or two spheres.
+
+#include "fix_dcm_division.h"
+
+#include "bond_dcm_cortex.h"
+#include "comm.h"
+#include "dihedral_dcm_bend.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "fix_dcm_growth.h"
+#include "fix_dcm_volume.h"
+#include "force.h"
+#include "modify.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using dcm::Vec3;
+
+static const char STYLE[] = "Fix dcm/division";
+
+// Sums differ in their last bits with the number of ranks, and a minimization makes micrometers out
+// of them. The mother's shape is therefore rounded, to this part of its size, before it divides.
+
+static constexpr double ROUNDING = 0x1p-32;
+
+static double rounded(double value, double unit)
+{
+  return unit * std::round(value / unit);
+}
+
+static double sphere_volume(double radius)
+{
+  return 4.0 / 3.0 * dcm::PI * radius * radius * radius;
+}
+
+/* ----------------------------------------------------------------------
+   the icosphere with the mother's number of nodes, or the next one
+------------------------------------------------------------------------- */
+
+const DCMBuilder::Topology &FixDCMDivision::round_mesh(DCMSurgery &surgery, size_t nnodes)
+{
+  int level = 1;
+  size_t size = 42;
+  while (level < 5 && size < nnodes) {
+    size = 4 * size - 6;
+    level++;
+  }
+  auto found = topology.find(level);
+  if (found == topology.end())
+    found = topology.emplace(level, surgery.builder.prepare(dcm::icosphere(level), true)).first;
+  return found->second;
+}
+
+/* ----------------------------------------------------------------------
+   what the sub-simulation needs: plane, the laws' constants, the prestress of the cortex
+------------------------------------------------------------------------- */
+
+FixDCMDivision::Job FixDCMDivision::prepare(DCMSurgery &surgery, const DCMSurgery::Cell &mother)
+{
+  Job job = {};
+  job.mother = mother;
+  const double unit = ROUNDING * std::exp2(std::round(std::log2(mother.volume0) / 3.0));
+  for (Vec3 &x : job.mother.mesh.nodes)
+    for (double &xk : x) xk = rounded(xk, unit);
+  job.round = &round_mesh(surgery, mother.mesh.nodes.size());
+  job.volume = dcm::volume(job.mother.mesh);
+  job.plane = dcm::halving_plane(job.mother.mesh, axis_of(job.mother));
+
+  auto *const cortex = dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex"));
+  auto *const bend = dynamic_cast<DihedralDCMBend *>(force->dihedral_match("dcm/bend"));
+  job.material.ks = cortex->stiffness(mother.types.bond);
+  job.material.kb = bend->stiffness(mother.types.dihedral);
+  job.material.flat = !bend->rest_angles(mother.types.dihedral);
+  const FixDCMCell::Cell &it = cell->cells[cell->find_cell(mother.molecule)];
+  for (auto *fix : modify->get_fix_by_style("^dcm/volume$"))
+    job.material.K_V =
+        std::max(job.material.K_V, dynamic_cast<FixDCMVolume *>(fix)->bulk_modulus(it));
+  if (job.material.K_V <= 0.0)
+    error->all(FLERR, "{}: cell {} is to divide at step {} but no fix dcm/volume acts on it", STYLE,
+               mother.molecule, update->ntimestep);
+
+  // mean rest length, before rounding up, over the edges of a round cell of this rest volume;
+  // per face, since a mesh from a file has another number of them than the icosphere
+
+  double sum = 0.0;
+  for (double l : mother.l0) sum += l;
+  const double length = sum / mother.l0.size() / growth->find(mother.molecule)->length;
+  const dcm::Mesh &round = job.round->mesh;
+  const double edge = dcm::mean_edge(round) * std::cbrt(mother.volume0 / dcm::volume(round));
+  job.rest = rounded(
+      length / edge * std::sqrt((double) mother.mesh.faces.size() / round.faces.size()), ROUNDING);
+  return job;
+}
+
+/* ----------------------------------------------------------------------
+   the daughters are shared out among the ranks; all get all results
+------------------------------------------------------------------------- */
+
+void FixDCMDivision::grow(std::vector<Job> &jobs)
+{
+  for (size_t n = 0; n < 2 * jobs.size(); n++) {
+    if ((int) (n % comm->nprocs) != comm->me) continue;
+    Job &job = jobs[n / 2];
+    dcm::Daughter &daughter = job.daughter[n % 2];
+    dcm::DivisionSettings mine = settings;
+    mine.volume = 0.5 * job.volume;
+    // rest lengths are those of the rest volume, the settings those of the volume
+    mine.rest = job.rest * std::cbrt(job.mother.volume0 / job.volume);
+    try {
+      daughter = dcm::grow_daughter(job.mother.mesh, job.plane, n % 2, job.round->mesh,
+                                    job.material, mine);
+    } catch (std::exception &e) {
+      daughter.problem = e.what();
+    }
+  }
+
+  for (size_t n = 0; n < 2 * jobs.size(); n++) {
+    dcm::Daughter &d = jobs[n / 2].daughter[n % 2];
+    const int root = (int) (n % comm->nprocs);
+    double numbers[6] = {(double) d.iterations, d.residual, d.volume, d.outside, d.quality,
+                         (double) d.converged};
+    MPI_Bcast(numbers, 6, MPI_DOUBLE, root, world);
+    d.iterations = (int) numbers[0];
+    d.residual = numbers[1];
+    d.volume = numbers[2];
+    d.outside = numbers[3];
+    d.quality = numbers[4];
+    d.converged = numbers[5] != 0.0;
+    int sizes[2] = {(int) d.mesh.nodes.size(), (int) d.problem.size()};
+    MPI_Bcast(sizes, 2, MPI_INT, root, world);
+    d.mesh.nodes.resize(sizes[0]);
+    d.problem.resize(sizes[1]);
+    if (sizes[0]) MPI_Bcast(d.mesh.nodes[0].data(), 3 * sizes[0], MPI_DOUBLE, root, world);
+    if (sizes[1]) MPI_Bcast(&d.problem[0], sizes[1], MPI_CHAR, root, world);
+  }
+}
+
+void FixDCMDivision::check(const Job &job) const
+{
+  for (const auto &d : job.daughter) {
+    if (!d.problem.empty() && (d.converged || d.iterations < settings.maxiter))
+      error->all(
+          FLERR,
+          "{}: cell {} (volume {:.6}) cannot divide at step {}: {}; reduce the time step, or "
+          "let the cell round up longer (fix dcm/growth rounding)",
+          STYLE, job.mother.molecule, job.volume, update->ntimestep, d.problem);
+    if (!d.converged)
+      error->all(FLERR,
+                 "{}: the sub-simulation of cell {} at step {} is not in balance after {} "
+                 "iterations: largest force {:.3} of its scale, tolerance {:.3}; raise maxiter "
+                 "({}) or tolerance",
+                 STYLE, job.mother.molecule, update->ntimestep, d.iterations, d.residual,
+                 settings.tolerance, settings.maxiter);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   two deformable daughters at rest as round cells of half the mother's rest volume
+------------------------------------------------------------------------- */
+
+void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
+{
+  const auto &top = *job.round;
+  DCMBuilder::Deformable daughter;
+  daughter.mask = job.mother.masks;
+  daughter.volume0 = 0.5 * job.mother.volume0;
+  for (int k = 0; k < 3; k++) daughter.v[k] = job.mother.v[k];
+
+  DCMBuilder::set_round_rest(top, job.rest, daughter);
+
+  tagint molecule[2];
+  for (int side = 0; side < 2; side++) {
+    const dcm::Daughter &d = job.daughter[side];
+    daughter.molecule = molecule[side] = growth->new_molecule();
+    daughter.x = d.mesh.nodes;
+    surgery.insert(job.mother.types, top, daughter);
+    iterations += d.iterations;
+    outside = std::max(outside, d.outside / std::cbrt(0.75 * d.volume / dcm::PI));
+    quality = std::min(quality, d.quality);
+  }
+  ndcm++;
+  write_log(job.mother, job.plane.normal, molecule, job.volume, job.daughter[0].volume,
+            job.daughter[1].volume, job.daughter[0].iterations + job.daughter[1].iterations);
+  growth->divide(*growth->find(job.mother.molecule), molecule[0], molecule[1], 0.5 * job.volume);
+}
+
+/* ----------------------------------------------------------------------
+   two spheres of half the volume that reach no farther than the mother did
+------------------------------------------------------------------------- */
+
+void FixDCMDivision::insert_spheres(DCMSurgery &surgery, const DCMSurgery::Cell &mother)
+{
+  const Vec3 axis = axis_of(mother);
+  DCMBuilder::Sphere daughter;
+  daughter.mask = mother.masks.center;
+  daughter.radius = mother.radius / std::cbrt(2.0);
+  for (int k = 0; k < 3; k++) daughter.v[k] = mother.v[k];
+
+  tagint molecule[2];
+  for (int side = 0; side < 2; side++) {
+    daughter.molecule = molecule[side] = growth->new_molecule();
+    daughter.x = mother.x + (side == 0 ? 1.0 : -1.0) * (mother.radius - daughter.radius) * axis;
+    surgery.insert(mother.types, daughter);
+  }
+  ncbm++;
+  sisters.push_back({molecule[0], molecule[1], growth->time()});
+  const double volume = sphere_volume(mother.radius);
+  write_log(mother, axis, molecule, volume, 0.5 * volume, 0.5 * volume, 0);
+  growth->divide(*growth->find(mother.molecule), molecule[0], molecule[1], 0.5 * volume);
+}
