@@ -271,7 +271,7 @@ void FixDCMGrowth::initial_integrate(int /*vflag*/)
 double FixDCMGrowth::advance(Entry &it, double rate)
 {
   const double growth = 1.0 - rounding, dt = update->dt;
-  const double before = it.length;
+  const double before = it.length, rest_before = it.volume0;
 
   if (it.phase == GROWING) {
     const double most = growth * (until_volume ? dcm::growth_progress(law, MOST_GROWTH) : 1.0);
@@ -280,7 +280,7 @@ double FixDCMGrowth::advance(Entry &it, double rate)
     bool done = it.progress >= growth * DONE;
     if (until_volume) {
       // cells that were there from the start: the volume they had at birth, by their law
-      if (it.newborn == 0.0) it.newborn = volume_of(it) * it.born / it.volume0;
+      if (it.newborn == 0.0) it.newborn = volume_of(it) * it.born / rest_before;
       done = volume_of(it) >= 2.0 * it.newborn * DONE;
       it.progress = done ? growth : std::min(it.progress, most);
     }

@@ -121,9 +121,11 @@ def test_before_the_pair_style(lmp, scenes, fix):
 
 
 @pytest.mark.parametrize("np_", [1, 2])
-def test_slots_for_spheres_only(lmp, np_):
+def test_slots_for_spheres_only(lmp, scenes, np_):
     """Spheres are to become deformable, but atoms have no room for edges."""
+    scene = scenes.Scene()
     deck = counting(8, "cycle_time 100") + "fix cell all dcm/cell\n"
+    deck += scene.cortex() + scene.volume()
     deck += "fix convert all dcm/convert dcm 1 2 3 1 1 cbm 4 near all 1 2 mesh icosphere 1\n"
     fails(lmp, deck, "Fix dcm/convert: a node needs [0-9]+ bond", "extra/bond/per/atom", np=np_)
 
@@ -137,6 +139,7 @@ def test_slots_after_read_data(lmp, scenes):
         "units lj\natom_style dcm\nnewton on\nboundary p p p\nread_data x.data\n"
         + scene.cortex()
         + "comm_modify cutoff 10\nfix cell all dcm/cell\n"
+        + scene.volume()
         + GOOD.format(map=scene.map)
         + "fix convert all dcm/convert dcm 1 2 3 1 1 cbm 4 near all 1 2\n"
     )

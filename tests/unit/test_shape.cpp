@@ -117,12 +117,13 @@ TEST(Shape, BothSidesShareThePlane)
 
 TEST(Shape, WhatIsMissingIsMadeUpByScaling)
 {
-  // six spheres leave a cube of edge 2 x 2.5, SHAPE_NEAREST of the radius: the mesh fills its faces
-  // at most and is then scaled to the volume of the sphere, all in proportion
+  // six spheres leave a cube of edge 2 x 3.5: the mesh fills it at most and is then scaled to the
+  // volume of the sphere, all in proportion
   const Ball cell = {Vec3::Zero(), 5.0};
   std::vector<Ball> neighbors;
   for (int d = 0; d < 3; d++)
-    for (double s : {-4.0, 4.0}) neighbors.push_back({s * Vec3::Unit(d), 5.0});
+    for (double s : {-7.0, 7.0}) neighbors.push_back({s * Vec3::Unit(d), 5.0});
+  EXPECT_TRUE(has_room(cell, neighbors));
   const Mesh mesh = fitted(cell, neighbors, icosphere(3));
   EXPECT_NEAR(volume(mesh), sphere(5.0), 1.0e-10 * sphere(5.0));
   EXPECT_EQ(check_mesh(mesh), "");
@@ -131,6 +132,16 @@ TEST(Shape, WhatIsMissingIsMadeUpByScaling)
   // a full cube would have half its edge cbrt(volume) = 4.03; chamfered edges need a little more
   EXPECT_GT(2.0 * half, std::cbrt(sphere(5.0)));
   EXPECT_LT(2.0 * half, 1.05 * std::cbrt(sphere(5.0)));
+}
+
+TEST(Shape, RoomForAShape)
+{
+  // planes at half the distance of equal spheres, 0.7 of the radius is the least
+  const Ball cell = {Vec3::Zero(), 5.0};
+  EXPECT_TRUE(has_room(cell, {}));
+  EXPECT_TRUE(has_room(cell, {{{7.01, 0.0, 0.0}, 5.0}}));
+  EXPECT_FALSE(has_room(cell, {{{7.01, 0.0, 0.0}, 5.0}, {{0.0, 6.99, 0.0}, 5.0}}));
+  EXPECT_FALSE(has_room(cell, {{{2.0, 0.0, 0.0}, 8.0}}));    // center beyond the plane
 }
 
 TEST(Shape, TurnsWithItsSurroundings)
