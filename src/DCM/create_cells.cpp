@@ -125,8 +125,9 @@ void CreateCells::command(int narg, char **arg)
     atom->map_set();
   }
   if (comm->me == 0)
-    utils::logmesg(lmp, "Created {} deformable cells of {} nodes and {} center-based cells\n",
-                   ncreated[1], top.mesh.nodes.size(), ncreated[0]);
+    utils::logmesg(lmp, "Created {} deformable cells{} and {} center-based cells\n", ncreated[1],
+                   ncreated[1] ? fmt::format(" of {} nodes", top.mesh.nodes.size()) : "",
+                   ncreated[0]);
 }
 
 /* ----------------------------------------------------------------------

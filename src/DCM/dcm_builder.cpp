@@ -15,6 +15,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_hinge.h"
+#include "dcm_volume.h"
 #include "domain.h"
 #include "error.h"
 
@@ -48,7 +49,7 @@ DCMBuilder::Topology DCMBuilder::prepare(dcm::Mesh mesh, bool equal_volume) cons
     x -= mid;
     reach = std::max(reach, x.norm());
   }
-  const double size = equal_volume ? std::cbrt(0.75 * dcm::volume(mesh) / dcm::PI) : reach;
+  const double size = equal_volume ? dcm::ball_radius(dcm::volume(mesh)) : reach;
   for (auto &x : mesh.nodes) x /= size;
 
   Topology top;

@@ -49,7 +49,7 @@ constexpr double DIVISION_WALL = 1.0 / 60.0;
 /// made up by pressure (twice the stiffness: 1.4 times the pressure at 162 nodes).
 inline double division_wall(double ks, double volume)
 {
-  return ks / (DIVISION_WALL * std::pow(3.0 * volume / (4.0 * PI), 2.0 / 3.0));
+  return ks / (DIVISION_WALL * std::pow(ball_radius(volume), 2));
 }
 
 /// A cell in one half of an envelope: its energy and forces as a function of the node positions.
@@ -105,7 +105,7 @@ inline ConfinedCell::ConfinedCell(const Envelope &envelope, const DivisionPlane 
     material(material), envelope(envelope), plane(plane), faces(round.faces), edge(edges(round)),
     bend(hinges(round)), share(round.nodes.size(), 0.0)
 {
-  size = std::cbrt(3.0 * volume / (4.0 * PI));
+  size = ball_radius(volume);
   if (material.wall == 0.0) this->material.wall = division_wall(material.ks, volume);
   const double scale = std::cbrt(volume / dcm::volume(round));
   const auto &x = round.nodes;

@@ -12,7 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "dcm_vector.h"
+#include "dcm_volume.h"
 #include "error.h"
 #include "input.h"
 #include "modify.h"
@@ -39,7 +39,7 @@ std::vector<DCMCellAtom> LAMMPS_NS::dcm_cell_atoms(LAMMPS *lmp)
                     atom->type[i],
                     atom->mask[i],
                     deformable,
-                    deformable ? dcm->volume0[i] : 4.0 / 3.0 * dcm::PI * r * r * r,
+                    deformable ? dcm->volume0[i] : dcm::ball_volume(r),
                     {x[0], x[1], x[2]}});
   }
   auto all = dcm_allgather(mine, lmp->world);

@@ -175,24 +175,19 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
 
 /* ---------------------------------------------------------------------- */
 
-DCMBuilder::Masks DCMSurgery::masks_like(const DCMBuilder::Types &types, int otherwise) const
+DCMBuilder::Masks DCMSurgery::masks_after(const DCMBuilder::Types &to, const Cell &cell) const
 {
-  const int type[3] = {types.center, types.node, types.face};
-  tagint lowest[3] = {MAXTAGINT, MAXTAGINT, MAXTAGINT}, first[3];
-  int mask[3] = {0, 0, 0};
+  // masks common to all atoms of a type, the same after any number of ranks; ~0: no such atom
+
+  const int types[4] = {to.center, to.node, to.face, cell.types.center};
+  int common[4] = {~0, ~0, ~0, ~0};
   for (int i = 0; i < atom->nlocal; i++)
-    for (int k = 0; k < 3; k++)
-      if (atom->type[i] == type[k] && atom->tag[i] < lowest[k]) {
-        lowest[k] = atom->tag[i];
-        mask[k] = atom->mask[i];
-      }
-  MPI_Allreduce(lowest, first, 3, MPI_LMP_TAGINT, MPI_MIN, world);
-  for (int k = 0; k < 3; k++)
-    if (first[k] != lowest[k]) mask[k] = 0;
-  MPI_Allreduce(MPI_IN_PLACE, mask, 3, MPI_INT, MPI_BOR, world);
-  for (int &m : mask)
-    if (m == 0) m = otherwise;
-  return {mask[0], mask[1], mask[2]};
+    for (int k = 0; k < 4; k++)
+      if (atom->type[i] == types[k]) common[k] &= atom->mask[i];
+  MPI_Allreduce(MPI_IN_PLACE, common, 4, MPI_INT, MPI_BAND, world);
+  const int own = cell.masks.center, special = own & ~common[3];
+  return {common[0] == ~0 ? own : own | common[0], common[1] == ~0 ? own : special | common[1],
+          common[2] == ~0 ? own : special | common[2]};
 }
 
 /* ----------------------------------------------------------------------

@@ -48,9 +48,9 @@ class DCMSurgery : protected Pointers {
 
   DCMSurgery(class LAMMPS *, const std::string &asking);
 
-  // groups of new atoms of some types: those of the atom of the type with the lowest ID;
-  // `otherwise` for types without atoms
-  DCMBuilder::Masks masks_like(const DCMBuilder::Types &, int otherwise) const;
+  // groups of the atoms of a cell that takes another form: its own; those that all atoms of the
+  // new type are in; for nodes and faces not those that all atoms of its old type are in
+  DCMBuilder::Masks masks_after(const DCMBuilder::Types &to, const Cell &cell) const;
 
   // molecules: sorted; the result has the same order. Error if one of them does not exist.
   std::vector<Cell> gather(const std::vector<tagint> &molecules) const;

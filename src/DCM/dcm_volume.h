@@ -13,6 +13,17 @@
 
 namespace dcm {
 
+/// Volume of a ball, um^3, and radius of the ball of a volume, um.
+inline double ball_volume(double radius)
+{
+  return 4.0 / 3.0 * PI * radius * radius * radius;
+}
+
+inline double ball_radius(double volume)
+{
+  return std::cbrt(0.75 / PI * volume);
+}
+
 /// Signed volume of the tetrahedron (origin, a, b, c), um^3. Summed over the faces of a closed
 /// surface it gives the enclosed volume, for any origin. Choose the origin near the cell (its
 /// center atom): far away, the terms cancel and digits are lost.

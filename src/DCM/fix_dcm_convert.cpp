@@ -17,6 +17,7 @@
 #include "dcm_parameters.h"
 #include "dcm_random.h"
 #include "dcm_shape.h"
+#include "dcm_volume.h"
 #include "domain.h"
 #include "error.h"
 #include "fix_dcm_growth.h"
@@ -36,11 +37,6 @@ using dcm::Vec3;
 static const char STYLE[] = "Fix dcm/convert";
 
 enum { STAY, TO_DEFORMABLE, TO_SPHERE };
-
-static double radius_of(double volume)
-{
-  return std::cbrt(0.75 * volume / dcm::PI);
-}
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/convert dcm Tcenter Tnode Tface Tbond Tdihedral cbm Tsphere
@@ -263,8 +259,8 @@ void FixDCMConvert::to_sphere(DCMSurgery &surgery, const DCMSurgery::Cell &cell)
   const double volume = dcm::volume(cell.mesh);
   DCMBuilder::Sphere to;
   to.molecule = cell.molecule;
-  to.mask = surgery.masks_like(sphere, cell.masks.center).center;
-  to.radius = radius_of(volume);
+  to.mask = surgery.masks_after(sphere, cell).center;
+  to.radius = dcm::ball_radius(volume);
   to.x = cell.x;
   for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
   surgery.insert(sphere, to);
@@ -285,7 +281,7 @@ std::vector<dcm::Ball> FixDCMConvert::neighbors_of(tagint molecule, const Vec3 &
     double d[3];
     for (int k = 0; k < 3; k++) d[k] = other.x[k] - x[k];
     dcm_minimum_image(domain, d[0], d[1], d[2]);
-    neighbors.push_back({x + Vec3(d[0], d[1], d[2]), radius_of(other.volume0)});
+    neighbors.push_back({x + Vec3(d[0], d[1], d[2]), dcm::ball_radius(other.volume0)});
   }
   return neighbors;
 }
@@ -295,7 +291,7 @@ bool FixDCMConvert::can_be_shaped(tagint molecule, const std::vector<DCMCellAtom
   for (const auto &it : all)
     if (it.molecule == molecule) {
       const Vec3 x(it.x[0], it.x[1], it.x[2]);
-      return dcm::has_room({x, radius_of(it.volume0)}, neighbors_of(molecule, x, all));
+      return dcm::has_room({x, dcm::ball_radius(it.volume0)}, neighbors_of(molecule, x, all));
     }
   return false;
 }
@@ -308,7 +304,7 @@ void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &c
                                   const std::vector<DCMCellAtom> &all)
 {
   const auto neighbors = neighbors_of(cell.molecule, cell.x, all);
-  const double volume = 4.0 / 3.0 * dcm::PI * std::pow(cell.radius, 3);
+  const double volume = dcm::ball_volume(cell.radius);
   const double ratio = growth->find(cell.molecule)->ratio;
 
   dcm::Random random(seed, cell.molecule, update->ntimestep, dcm::RandomPurpose::CONVERSION);
@@ -320,7 +316,7 @@ void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &c
 
   DCMBuilder::Deformable to;
   to.molecule = cell.molecule;
-  to.mask = surgery.masks_like(deformable, cell.masks.center);
+  to.mask = surgery.masks_after(deformable, cell);
   to.volume0 = ratio * volume;
   for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
   to.x = dcm::fit_between({cell.x, cell.radius}, volume, neighbors, round);

@@ -41,11 +41,6 @@ static double rounded(double value, double unit)
   return unit * std::round(value / unit);
 }
 
-static double sphere_volume(double radius)
-{
-  return 4.0 / 3.0 * dcm::PI * radius * radius * radius;
-}
-
 /* ----------------------------------------------------------------------
    the icosphere with the mother's number of nodes, or the next one
 ------------------------------------------------------------------------- */
@@ -188,7 +183,7 @@ void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
     daughter.x = d.mesh.nodes;
     surgery.insert(job.mother.types, top, daughter);
     iterations += d.iterations;
-    outside = std::max(outside, d.outside / std::cbrt(0.75 * d.volume / dcm::PI));
+    outside = std::max(outside, d.outside / dcm::ball_radius(d.volume));
     quality = std::min(quality, d.quality);
   }
   ndcm++;
@@ -217,7 +212,7 @@ void FixDCMDivision::insert_spheres(DCMSurgery &surgery, const DCMSurgery::Cell 
   }
   ncbm++;
   sisters.push_back({molecule[0], molecule[1], growth->time()});
-  const double volume = sphere_volume(mother.radius);
+  const double volume = dcm::ball_volume(mother.radius);
   write_log(mother, axis, molecule, volume, 0.5 * volume, 0.5 * volume, 0);
   growth->divide(*growth->find(mother.molecule), molecule[0], molecule[1], 0.5 * volume);
 }

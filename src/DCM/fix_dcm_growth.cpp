@@ -45,11 +45,6 @@ static constexpr double MOST_GROWTH = 2.5;
 
 static constexpr double REBUILD = 0.02;
 
-static double radius_of(double volume)
-{
-  return std::cbrt(0.75 * volume / dcm::PI);
-}
-
 /* ----------------------------------------------------------------------
    fix ID group dcm/growth FILE name1..nameN seed S [cycle_time v] [cycle_sd v]
        [law linear|exponential] [compression half n] [rounding part factor]
@@ -223,7 +218,7 @@ void FixDCMGrowth::post_neighbor()
     if (it) entry_of[i] = (int) (it - book.data());
   }
   built_radius.resize(book.size());
-  for (size_t n = 0; n < book.size(); n++) built_radius[n] = radius_of(book[n].volume0);
+  for (size_t n = 0; n < book.size(); n++) built_radius[n] = dcm::ball_radius(book[n].volume0);
 }
 
 /* ----------------------------------------------------------------------
@@ -256,7 +251,7 @@ void FixDCMGrowth::initial_integrate(int /*vflag*/)
       lengths[c] = factor * std::cbrt(it.volume0 / before);
     } else {
       if (it.volume0 == before) continue;
-      grown = std::max(grown, std::fabs(radius_of(it.volume0) - built_radius[n]));
+      grown = std::max(grown, std::fabs(dcm::ball_radius(it.volume0) - built_radius[n]));
     }
     changed = true;
   }
@@ -313,7 +308,7 @@ void FixDCMGrowth::apply()
   for (int i = 0; i < nall; i++) {
     const int kind = dcm->kind[i];
     if (kind == AtomVecDCM::SPHERE) {
-      if (entry_of[i] >= 0) atom->radius[i] = radius_of(book[entry_of[i]].volume0);
+      if (entry_of[i] >= 0) atom->radius[i] = dcm::ball_radius(book[entry_of[i]].volume0);
     } else if (i < nlocal && kind == AtomVecDCM::CENTER) {
       dcm->volume0[i] = cell->cells[cell->cell_of[i]].volume0;
     } else if (i < nlocal && kind == AtomVecDCM::NODE) {

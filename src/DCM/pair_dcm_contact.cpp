@@ -116,7 +116,7 @@ void PairDCMContact::make_faces()
 
   rmax_cell.resize(fix_cell->cells.size());
   for (size_t c = 0; c < rmax_cell.size(); c++)
-    rmax_cell[c] = set.rmax * std::cbrt(0.75 / dcm::PI * fix_cell->cells[c].volume);
+    rmax_cell[c] = set.rmax * dcm::ball_radius(fix_cell->cells[c].volume);
 
   double scale = 0.0;
   for (int f : used_faces) {

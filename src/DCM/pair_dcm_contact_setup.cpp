@@ -16,6 +16,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_jkr.h"
+#include "dcm_volume.h"
 #include "error.h"
 #include "fix.h"
 #include "fix_dcm_cell.h"
@@ -236,7 +237,7 @@ void PairDCMContact::scan_types()
   for (int i = 0; i < atom->nlocal; i++) {
     seen[atom->type[i]] |= 1 << dcm->kind[i];
     if (dcm->kind[i] == AtomVecDCM::CENTER)
-      radius[0] = std::max(radius[0], std::cbrt(0.75 / dcm::PI * dcm->volume0[i]));
+      radius[0] = std::max(radius[0], dcm::ball_radius(dcm->volume0[i]));
     if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
     radius[atom->type[i]] = std::max(radius[atom->type[i]], atom->radius[i]);
     if (atom->molecule[i] == 0) nomolecule = 1;

@@ -16,6 +16,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_compat.h"
+#include "dcm_volume.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "update.h"
@@ -138,7 +139,7 @@ void PairDCMContact::check_start()
     const auto &cell = fix_cell->cells[c];
     bodies.push_back({cell.molecule,
                       {cell.x[0], cell.x[1], cell.x[2]},
-                      std::cbrt(0.75 / dcm::PI * cell.volume),
+                      dcm::ball_radius(cell.volume),
                       (int) c});
   }
   std::sort(bodies.begin(), bodies.end(), [](const Body &a, const Body &b) {
