@@ -122,7 +122,7 @@ void FixDCMGrowth::divide(const Entry &given, tagint daughter1, tagint daughter2
     it.generation = mother.generation + 1;
     it.birth = time();
     it.volume0 = it.born = 0.5 * mother.volume0;
-    it.newborn = volume;
+    if (it.newborn == 0.0) it.newborn = volume;    // else the mother's: sizes do not drift
     it.progress = 0.0;
     it.length = 1.0;
     it.pressure_before = it.pressure = 0.0;

@@ -16,6 +16,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_curvature.h"
+#include "dcm_volume.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"

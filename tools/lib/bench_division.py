@@ -34,11 +34,14 @@ def run_deck(name, ranks, variables, folder):
 def one_division(level, folder):
     """Print what one division at an icosphere level costs on one rank."""
     step = 1.0 if level < 4 else 0.5
-    log = run_deck("division", 1, {"level": level, "image": "no", "dt": step, "steps": 300},
-                   folder / f"division{level}")
-    seconds, steps, parts, row = parse(log)
-    # steps without the division and without its pictures
-    per_step = (seconds - row[SECONDS]) / steps
+    log = run_deck("division", 1, {"level": level, "image": "no", "dt": step,
+                                   "steps": round(300 / step)}, folder / f"division{level}")
+    row = parse(log)[3]
+    names = re.search(r"^ +Step .*", log, re.M).group().split()
+    rows = [dict(zip(names, map(float, line.split())))
+            for line in re.findall(r"^ +\d+ +[12] .*", log, re.M)]
+    two = [line for line in rows if line["f_growth"] == 2]
+    per_step = (two[-1]["CPU"] - two[0]["CPU"]) / (two[-1]["Step"] - two[0]["Step"])
     print(f"{NODES[level]:6d} {int(row[ITERATIONS]):11d} {row[SECONDS]:9.3f} s "
           f"{1e3 * per_step:9.2f} ms {row[SECONDS] / per_step:9.0f}", flush=True)
 
