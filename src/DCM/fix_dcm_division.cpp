@@ -161,7 +161,6 @@ void FixDCMDivision::init()
   if (deformable) DCMSurgery::require_laws(lmp, STYLE);
   if (!sisters.empty()) hold_back_sisters();
   next_reneighbor = -1;
-  seconds = 0.0;
 }
 
 /* ----------------------------------------------------------------------

@@ -86,7 +86,7 @@ class FixDCMDivision : public Fix {
 
   bigint ndcm, ncbm;    // divisions so far
   bigint iterations;    // of sub-simulations so far
-  double seconds;       // wall time of divisions in this run
+  double seconds;       // wall time of divisions since the fix was defined
   double outside;       // largest depth of a node outside its envelope, over the radius
   double quality;       // worst face of a newborn cell
 
