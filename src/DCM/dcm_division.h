@@ -461,11 +461,11 @@ inline double rest_factor(const Mesh &mother, const std::vector<double> &l0, dou
 /// symmetric mother are alike. Without symmetry there are several balanced states close to each
 /// other (pressure within some 1 %), among which round-off can choose: the same input gives the
 /// same output on one machine, not on all.
-/// A result that is not converged or has a `problem` is followed by tries on other ways, the last
-/// of them with shorter rest lengths than asked for, if these are longer than those of the round
-/// cell: see Daughter::rest. The best one is returned. Always returns within 2 settings.maxiter
-/// steps: read `converged` and `problem`. Throws std::invalid_argument for values out of range and
-/// a plane that leaves the half empty.
+/// A result that is not converged or has a `problem` is followed by tries on other ways, some with
+/// shorter rest lengths than asked for (Daughter::rest). A rest factor above 1.1 is shortened at
+/// once. The best result is returned, after 2 settings.maxiter steps at most: read `converged` and
+/// `problem`.
+/// Throws std::invalid_argument for values out of range and a plane that leaves the half empty.
 inline Daughter grow_daughter(const Envelope &mother, const DivisionPlane &plane, int side,
                               const Mesh &round, const DivisionMaterial &material,
                               const DivisionSettings &settings)
