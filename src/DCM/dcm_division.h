@@ -41,11 +41,12 @@ struct DivisionSettings {
 struct Daughter {
   Mesh mesh;                         ///< faces and numbering of the round mesh it grew from
   std::vector<double> l0, theta0;    ///< rest state of edges() and hinges() of mesh, um and rad
-  int iterations;                    ///< minimization steps
-  double residual;                   ///< largest nodal force over ConfinedCell::force_scale()
-  double volume;           ///< um^3, within DIVISION_VOLUME of the wanted one if converged
-  double rest_volume;      ///< V0 for which pressure(K_V, volume, V0) is in balance, um^3
-  double pressure;         ///< of the cell, kPa
+  double rest;           ///< factor of l0: the one of the settings, below it if slack was taken up
+  int iterations;        ///< minimization steps
+  double residual;       ///< largest nodal force over ConfinedCell::force_scale()
+  double volume;         ///< um^3, within DIVISION_VOLUME of the wanted one if converged
+  double rest_volume;    ///< V0 for which pressure(K_V, volume, V0) is in balance, um^3
+  double pressure;       ///< of the cell, kPa
   double wall_pressure;    ///< largest pressure of a wall on a node, kPa
   double energy;           ///< cortex + bending + pressure + walls, nN um
   double outside;          ///< largest depth of a node beyond envelope or plane, um
@@ -58,6 +59,10 @@ struct Daughter {
 constexpr double DIVISION_VOLUME = 1.0e-6;
 /// A node farther outside than this fraction of the daughter's radius is a `problem`.
 constexpr double DIVISION_OUTSIDE = 0.1;
+/// Worse faces (face_quality()) are a `problem`. A triangle stretched by s has 2s/(1 + s^2) of the
+/// quality it had; half a mother of 3 : 1 cut lengthwise is 6 : 1, which leaves 0.3. Half of that
+/// is no longer a face that follows the shape of the cell but one that has collapsed.
+constexpr double DIVISION_QUALITY = 0.15;
 /// Shape of a triangle, 4 sqrt(3) area / (sum of squared sides): 1 equilateral, 0 degenerate.
 inline double face_quality(const Vec3 &a, const Vec3 &b, const Vec3 &c)
 {
@@ -90,6 +95,10 @@ namespace division_detail {
   constexpr double SCALED = 1.0e-3;
   /// Volume corrections at most; four or five are usual.
   constexpr int CORRECTIONS = 50;
+  /// Growth of rest lengths per stage when a cell that grew with short ones is released.
+  constexpr double RELEASE = 1.05;
+  /// Rest factors above this leave the cortex slack in nearly any half: it folds whatever the way.
+  constexpr double SLACK = 1.1;
   /// A hinge bent farther than this, rad, is a fold: faces lie on each other.
   constexpr double FOLD = 2.6;
 
@@ -218,8 +227,8 @@ namespace division_detail {
       auto function = [&](const Eigen::VectorXd &y, Eigen::VectorXd &gy) {
         return cell.energy(y, gy);
       };
-      while (largest_node(g) > multiple * tolerance)
-        if (steps++ >= settings.maxiter ||
+      for (; largest_node(g) > multiple * tolerance; steps++)
+        if (steps >= settings.maxiter ||
             !minimizer.step(function, x, value, g, MOVE * edge, 4.0 * cell.material.ks))
           return false;
       return true;
@@ -227,18 +236,29 @@ namespace division_detail {
 
     /// Grow a ball of `size` times the final radius to full size. The rest state grows with it,
     /// so that the cell stays taut: edges shorter than at rest would fold where walls hold them.
-    void grow(double size, double ratio)
+    void grow(double size)
     {
       const double V0 = cell.V0;
       const std::vector<double> l0 = cell.l0;
       while (size < 1.0) {
         set_size(V0, l0, size);
         descend(ROUGH);
-        const double factor = std::min(ratio, 1.0 / size);
+        const double factor = std::min(STAGE, 1.0 / size);
         size = factor * size > 1.0 - 1.0e-9 ? 1.0 : factor * size;
         inflate(x, factor);
       }
       set_size(V0, l0, 1.0);
+    }
+
+    /// Lengthen the rest lengths of a balanced cell by a factor, in stages.
+    void release(double factor)
+    {
+      const std::vector<double> l0 = cell.l0;
+      for (double done = 1.0; done < factor;) {
+        done = std::min(RELEASE * done, factor);
+        for (size_t n = 0; n < l0.size(); n++) cell.l0[n] = done * l0[n];
+        descend(LOOSE);
+      }
     }
 
     /// Force balance at the wanted volume.
@@ -289,6 +309,25 @@ namespace division_detail {
     if (s.maxiter < 1) throw std::invalid_argument("division: maxiter must be at least 1");
   }
 
+  /// What is wrong with the shape of a daughter.
+  inline std::string problem(const ConfinedCell &cell, const Daughter &d)
+  {
+    const std::string fault = check_mesh(d.mesh);
+    if (!fault.empty()) return fault;
+    const auto &x = d.mesh.nodes;
+    for (const auto &q : hinges(d.mesh))
+      if (std::fabs(hinge_angle(x[q[0]], x[q[1]], x[q[2]], x[q[3]])) > FOLD)
+        return "the surface is folded at the edge between nodes " + std::to_string(q[1] + 1) +
+               " and " + std::to_string(q[2] + 1);
+    if (d.outside > DIVISION_OUTSIDE * cell.radius())
+      return "a node lies " + std::to_string(d.outside / cell.radius()) +
+             " radii outside its half of the mother: the half may be too bent or too thin for "
+             "the mesh";
+    if (d.quality < DIVISION_QUALITY)
+      return "a face has collapsed to quality " + std::to_string(d.quality);
+    return "";
+  }
+
   /// All numbers of a daughter from its state, and what is wrong with it.
   inline Daughter judge(ConfinedCell &cell, const Eigen::VectorXd &x, const Mesh &round,
                         double wanted, const DivisionSettings &settings, int iterations)
@@ -312,23 +351,109 @@ namespace division_detail {
     d.quality = worst_face(d.mesh);
     d.converged =
         d.residual <= settings.tolerance && std::fabs(d.volume / wanted - 1.0) <= DIVISION_VOLUME;
-    d.problem = check_mesh(d.mesh);
-    if (d.problem.empty())
-      for (const auto &q : hinges(d.mesh))
-        if (std::fabs(hinge_angle(d.mesh.nodes[q[0]], d.mesh.nodes[q[1]], d.mesh.nodes[q[2]],
-                                  d.mesh.nodes[q[3]])) > FOLD) {
-          d.problem = "the surface is folded at the edge between nodes " +
-                      std::to_string(q[1] + 1) + " and " + std::to_string(q[2] + 1);
-          break;
-        }
-    if (d.problem.empty() && d.outside > DIVISION_OUTSIDE * cell.radius())
-      d.problem = "a node lies " + std::to_string(d.outside / cell.radius()) +
-                  " radii outside its half of the mother: the half may be too bent or too thin for "
-                  "the mesh";
+    d.problem = problem(cell, d);
+    return d;
+  }
+
+  /// One way to grow a daughter.
+  struct Way {
+    double rest;     ///< rest factor to grow with, if the one of the settings is larger
+    bool release;    ///< give back the rest factor of the settings before the last balance
+    double wall;     ///< factor on the stiffness of the walls
+    double turn;     ///< angle of the round mesh about the normal of the plane, rad
+  };
+
+  /// In the order of the tries. A cortex longer at rest than its half gives room for is compressed
+  /// and folds where walls hold it, more so when it grows slowly. It keeps its faces in order if it
+  /// grows taut and is released at the end; if it folds even then, the slack is taken up for good.
+  /// Thin tips need walls that give way less, and sometimes another mesh.
+  constexpr double ASKED = std::numeric_limits<double>::infinity();
+  constexpr Way WAYS[] = {{ASKED, false, 1.0, 0.0}, {0.85, true, 1.0, 0.0},
+                          {1.0, false, 1.0, 0.0},   {0.9, false, 1.0, 0.0},
+                          {ASKED, false, 2.0, 0.0}, {1.0, false, 2.0, 0.6},
+                          {0.9, false, 2.0, 1.2}};
+
+  /// Nothing new or nothing to hope for: slack that is not there or far too much of it.
+  inline bool pointless(const Way &way, double rest)
+  {
+    const bool asked = way.release || way.rest == ASKED;
+    return asked ? rest > SLACK : rest <= way.rest && way.wall == 1.0;
+  }
+
+  inline bool good(const Daughter &d)
+  {
+    return d.converged && d.problem.empty();
+  }
+
+  /// Whether a is the better result of two.
+  inline bool better(const Daughter &a, const Daughter &b)
+  {
+    if (good(a) != good(b)) return good(a);
+    if (a.converged != b.converged) return a.converged;
+    if (a.problem.empty() != b.problem.empty()) return a.problem.empty();
+    return a.quality > b.quality;
+  }
+
+  /// One try. round: turned to the plane; inward: its normal points into the half.
+  inline Daughter grow_one(const Envelope &mother, const DivisionPlane &inward,
+                           const Vec3 &centroid, Mesh round, const DivisionMaterial &material,
+                           const DivisionSettings &settings, const Way &way)
+  {
+    const double wanted = settings.volume, rest = std::min(settings.rest, way.rest);
+    ConfinedCell cell(mother, inward, round, material, wanted, rest);
+    cell.material.wall *= way.wall;
+    const Vec3 center = start_center(mother, inward, centroid, cell.radius());
+    const double room = START * clearance(mother, inward, center) / cell.radius();
+    const double size = std::clamp(room, 0.05, 1.0);
+    Relaxation relaxation(cell, settings, ball(round, center, size * cell.radius()));
+    // The balanced state does not depend on the bulk modulus, the way to it does: one far below
+    // the stiffness of the walls takes many corrections of V0. V0 of the real one follows from p.
+    const double stiff = SOFTEST * cell.material.wall * cell.radius() / 3.0;
+    cell.material.K_V = std::max(material.K_V, stiff);
+    relaxation.grow(size);
+    relaxation.balance(wanted);
+    if (way.release && rest < settings.rest) {
+      relaxation.release(settings.rest / rest);
+      relaxation.balance(wanted);
+    }
+    const double v = cell.enclosed(relaxation.x), p = pressure(cell.material.K_V, v, cell.V0);
+    cell.material.K_V = material.K_V;
+    cell.V0 = v * std::exp(p / material.K_V);
+    Daughter d = judge(cell, relaxation.x, round, wanted, settings, relaxation.steps);
+    d.rest = way.release ? settings.rest : rest;
     return d;
   }
 
 }    // namespace division_detail
+
+/// Area of the faces of a mesh whose edges() have these lengths, um^2. A face whose lengths close
+/// to no triangle has none.
+inline double rest_area(const Mesh &mesh, const std::vector<double> &l0)
+{
+  const auto edge = edges(mesh);    // sorted
+  auto length2 = [&](int i, int j) {
+    const std::array<int, 2> e = {std::min(i, j), std::max(i, j)};
+    const double l = l0.at(std::lower_bound(edge.begin(), edge.end(), e) - edge.begin());
+    return l * l;
+  };
+  double sum = 0.0;
+  for (const auto &f : mesh.faces) {    // Heron: 16 A^2 = 4 a^2 b^2 - (a^2 + b^2 - c^2)^2
+    const double a = length2(f[0], f[1]), b = length2(f[1], f[2]), c = length2(f[2], f[0]);
+    sum += 0.25 * std::sqrt(std::max(0.0, 4.0 * a * b - (a + b - c) * (a + b - c)));
+  }
+  return sum;
+}
+
+/// Rest factor (DivisionSettings::rest) a mother hands down: the one with which a round cell of
+/// her rest volume has her rest area. Not from mean lengths: at rest in the shape of 3 : 1, her
+/// edges are longer by a quarter than those of the round cell of her volume but her surface only
+/// by 9 %, and daughters with edges that long have no room for them.
+inline double rest_factor(const Mesh &mother, const std::vector<double> &l0, double rest_volume,
+                          const Mesh &round)
+{
+  const double scale = std::cbrt(rest_volume / volume(round));
+  return std::sqrt(rest_area(mother, l0) / area(round)) / scale;
+}
 
 /// Grow the daughter on one side of the plane (0: where the normal points, 1: the other). round:
 /// closed mesh of a unit sphere, e.g. icosphere(2); the daughter keeps its numbering. It is turned
@@ -336,7 +461,10 @@ namespace division_detail {
 /// symmetric mother are alike. Without symmetry there are several balanced states close to each
 /// other (pressure within some 1 %), among which round-off can choose: the same input gives the
 /// same output on one machine, not on all.
-/// Always returns within 2 settings.maxiter steps: read `converged` and `problem`.
+/// A result that is not converged or has a `problem` is followed by tries on other ways, some with
+/// shorter rest lengths than asked for (Daughter::rest). A rest factor above 1.1 is shortened at
+/// once. The best result is returned, after 2 settings.maxiter steps at most: read `converged` and
+/// `problem`.
 /// Throws std::invalid_argument for values out of range and a plane that leaves the half empty.
 inline Daughter grow_daughter(const Envelope &mother, const DivisionPlane &plane, int side,
                               const Mesh &round, const DivisionMaterial &material,
@@ -352,35 +480,24 @@ inline Daughter grow_daughter(const Envelope &mother, const DivisionPlane &plane
                                 std::to_string(half.volume) + " um^3 for a daughter of " +
                                 std::to_string(wanted) + " um^3");
 
-  // the same rotation on both sides: an icosphere looks alike from opposite sides
-  const Mat3 frame = plane_frame(mother.mesh(), plane.normal);
-  Mesh turned = round;
-  for (Vec3 &x : turned.nodes) x = frame * x;
-
+  DivisionSettings mine = settings;
+  mine.volume = wanted;
   Daughter best;
-  for (double ratio : {STAGE, std::sqrt(std::sqrt(STAGE))}) {    // slower if the first try fails
-    ConfinedCell cell(mother, inward, turned, material, wanted, settings.rest);
-    const Vec3 center = start_center(mother, inward, half.centroid, cell.radius());
-    const double room = START * clearance(mother, inward, center) / cell.radius();
-    const double size = std::clamp(room, 0.05, 1.0);
-    Relaxation relaxation(cell, settings, ball(turned, center, size * cell.radius()));
-    // The balanced state does not depend on the bulk modulus, the way to it does: one far below
-    // the stiffness of the walls takes many corrections of V0. V0 of the real one follows from p.
-    const double stiff = SOFTEST * cell.material.wall * cell.radius() / 3.0;
-    cell.material.K_V = std::max(material.K_V, stiff);
-    relaxation.grow(size, ratio);
-    relaxation.balance(wanted);
-    const double v = cell.enclosed(relaxation.x), p = pressure(cell.material.K_V, v, cell.V0);
-    cell.material.K_V = material.K_V;
-    cell.V0 = v * std::exp(p / material.K_V);
-    Daughter d = judge(cell, relaxation.x, round, wanted, settings, relaxation.steps);
-    const bool good = d.converged && d.problem.empty();
-    if (ratio == STAGE || good) {
-      d.iterations += ratio == STAGE ? 0 : best.iterations;
-      best = d;
-    }
-    if (good) break;
+  int used = 0;
+  for (const Way &way : WAYS) {
+    if (pointless(way, settings.rest)) continue;
+    // the same rotation on both sides: an icosphere looks alike from opposite sides
+    const Mat3 frame =
+        Eigen::AngleAxisd(way.turn, plane.normal) * plane_frame(mother.mesh(), plane.normal);
+    Mesh turned = round;
+    for (Vec3 &x : turned.nodes) x = frame * x;
+    mine.maxiter = std::min(settings.maxiter, 2 * settings.maxiter - used);
+    const Daughter d = grow_one(mother, inward, half.centroid, turned, material, mine, way);
+    if (used == 0 || better(d, best)) best = d;
+    used += d.iterations;
+    if (good(best) || used >= 2 * settings.maxiter) break;
   }
+  best.iterations = used;
   return best;
 }
 

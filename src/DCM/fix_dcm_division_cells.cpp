@@ -87,16 +87,10 @@ FixDCMDivision::Job FixDCMDivision::prepare(DCMSurgery &surgery, const DCMSurger
     error->all(FLERR, "{}: cell {} is to divide at step {} but no fix dcm/volume acts on it", STYLE,
                mother.molecule, update->ntimestep);
 
-  // mean rest length, before rounding up, over the edges of a round cell of this rest volume;
-  // per face, since a mesh from a file has another number of them than the icosphere
-
-  double sum = 0.0;
-  for (double l : mother.l0) sum += l;
-  const double length = sum / mother.l0.size() / growth->find(mother.molecule)->length;
-  const dcm::Mesh &round = job.round->mesh;
-  const double edge = dcm::mean_edge(round) * std::cbrt(mother.volume0 / dcm::volume(round));
-  job.rest = rounded(
-      length / edge * std::sqrt((double) mother.mesh.faces.size() / round.faces.size()), ROUNDING);
+  // before rounding up
+  const double length = growth->find(mother.molecule)->length;
+  job.rest = dcm::rest_factor(mother.mesh, mother.l0, mother.volume0, job.round->mesh) / length;
+  job.rest = rounded(job.rest, ROUNDING);
   return job;
 }
 
@@ -125,15 +119,16 @@ void FixDCMDivision::grow(std::vector<Job> &jobs)
   for (size_t n = 0; n < 2 * jobs.size(); n++) {
     dcm::Daughter &d = jobs[n / 2].daughter[n % 2];
     const int root = (int) (n % comm->nprocs);
-    double numbers[6] = {(double) d.iterations, d.residual, d.volume, d.outside, d.quality,
-                         (double) d.converged};
-    MPI_Bcast(numbers, 6, MPI_DOUBLE, root, world);
+    double numbers[7] = {(double) d.iterations, d.residual, d.volume, d.outside, d.quality,
+                         (double) d.converged,  d.rest};
+    MPI_Bcast(numbers, 7, MPI_DOUBLE, root, world);
     d.iterations = (int) numbers[0];
     d.residual = numbers[1];
     d.volume = numbers[2];
     d.outside = numbers[3];
     d.quality = numbers[4];
     d.converged = numbers[5] != 0.0;
+    d.rest = numbers[6];
     int sizes[2] = {(int) d.mesh.nodes.size(), (int) d.problem.size()};
     MPI_Bcast(sizes, 2, MPI_INT, root, world);
     d.mesh.nodes.resize(sizes[0]);
@@ -174,11 +169,12 @@ void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
   daughter.volume0 = 0.5 * job.mother.volume0;
   for (int k = 0; k < 3; k++) daughter.v[k] = job.mother.v[k];
 
-  DCMBuilder::set_round_rest(top, job.rest, daughter);
-
   tagint molecule[2];
   for (int side = 0; side < 2; side++) {
     const dcm::Daughter &d = job.daughter[side];
+    // rest lengths of the rest volume again; below the mother's if slack was taken up
+    const double rest = d.rest * std::cbrt(job.volume / job.mother.volume0);
+    DCMBuilder::set_round_rest(top, rest, daughter);
     daughter.molecule = molecule[side] = growth->new_molecule();
     daughter.x = d.mesh.nodes;
     surgery.insert(job.mother.types, top, daughter);
