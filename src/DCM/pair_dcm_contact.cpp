@@ -289,7 +289,8 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
     const double overlap = -apart.dot(r.u);
     const bool beyond = !(overlap <= overlap_used), opposed = !(f.n.dot(g.n) > OPPOSED);
     if (!std::isfinite(r.force) ||
-        (beyond && opposed && covers(f, g.mid, r.u) && covers(g, f.mid, r.u)))
+        (beyond && opposed && covers(f, g.mid, r.u) && covers(g, f.mid, r.u) &&
+         (deep_inside(f.mid, other.cell) || deep_inside(g.mid, face.cell))))
       fail_pair(face.atom, other.atom, overlap, overlap_used, r.force);
     const bool touching = !beyond && weight > 0.0;
     if (HISTORY) *face_touch[n] = touching;
@@ -405,24 +406,6 @@ void PairDCMContact::merge_partners()
       partner_list[n++] = partner_list[m];
   }
   partner_list.resize(n);
-}
-
-/* ---------------------------------------------------------------------- */
-
-void PairDCMContact::fail_pair(int i, int j, double overlap, double limit, double force)
-{
-  if (!std::isfinite(force) || !std::isfinite(overlap))
-    error->one(FLERR,
-               "Pair style dcm/contact: the contact of cells {} and {} (atoms {} and {}) has force "
-               "{} at step {}; coincident cells, or a timestep too large",
-               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], force,
-               update->ntimestep);
-  error->one(FLERR,
-             "Pair style dcm/contact: cells {} and {} run into each other: atoms {} and {} overlap "
-             "by {:.4} at step {}, more than {:.4}; reduce the timestep or fix dcm/motion maxmove, "
-             "give the cells a stiffer or tenser cortex, or raise keyword range",
-             atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
-             update->ntimestep, limit);
 }
 
 /* ----------------------------------------------------------------------

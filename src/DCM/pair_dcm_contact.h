@@ -224,6 +224,7 @@ class PairDCMContact : public Pair {
   }
   bool has_fix(const std::vector<std::string> &) const;
   static double round_up(double);
+  bool deep_inside(const dcm::Vec3 &, int) const;
   [[noreturn]] void fail_pair(int, int, double, double, double);
 };
 
