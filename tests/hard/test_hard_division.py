@@ -75,10 +75,9 @@ def ellipsoid(scenes, level, *axes):
 @pytest.mark.parametrize("plane", ["given 1 0 0", "given 0 0 1", "given 1 0 1", "long"])
 @pytest.mark.parametrize("axes", [(1.0, 1.0, 1.0 / 3.0), (2.5, 1.0, 1.0), (3.0, 1.0, 1.0)])
 def test_flat_and_long_mothers(lmp, scenes, axes, plane):
-    """Flat ones three to one and long ones up to 2.5 to one divide, across and along.
+    """Flat and long ones of three to one divide, across, along and askew.
 
-    They are grown up at the start, so still so. The tips of longer ones fold, which stops; those of
-    one cut along come close to it and keep a sliver for some seconds.
+    They are grown up at the start, so still so. Below quality 0.15 a newborn is refused.
     """
     text, mesh = ellipsoid(scenes, 2, *axes)
     scene = scene_of(scenes, 30.0, level=2)
@@ -90,11 +89,10 @@ def test_flat_and_long_mothers(lmp, scenes, axes, plane):
     result = lmp.run(
         full.replace("timestep 1.0", "timestep 0.05"), files={"body.off": text}, timeout=TIME
     )
-    if sound_or_stops(result, worst=0.1 if axes[0] == 1.0 else 0.05) or axes[0] < 3.0:
-        assert result.returncode == 0, result.tail()
-        assert [row["step"] for row in read_log(result.path)] == [4]
-        print(f"outside {result.thermo[-1]['f_divide[5]']:.3f} R, "
-              f"worst face {result.thermo[-1]['f_divide[6]']:.3f}")
+    assert [row["step"] for row in sound(result)] == [4]
+    worst = float(result.thermo[-1]["f_divide[6]"])
+    print(f"outside {result.thermo[-1]['f_divide[5]']:.3f} R, worst face {worst:.3f}")
+    assert worst > 0.15
 
 
 def caged(scene, scenes, distance, steps, cycle):
