@@ -241,7 +241,9 @@ void FixDCMConvert::pre_exchange()
     if (!it.to_deformable || can_be_shaped(it.molecule, all)) molecules.push_back(it.molecule);
   }
   DCMSurgery surgery(lmp, STYLE);
-  const auto cells = surgery.gather(molecules);
+  auto cells = surgery.gather(molecules);
+  for (auto &it : cells)    // by the atoms there are, before any of them changes
+    it.masks = surgery.masks_after(it.mesh.nodes.empty() ? deformable : sphere, it);
   surgery.begin();
   surgery.remove(molecules);
   for (const auto &it : cells) {
@@ -259,7 +261,7 @@ void FixDCMConvert::to_sphere(DCMSurgery &surgery, const DCMSurgery::Cell &cell)
   const double volume = dcm::volume(cell.mesh);
   DCMBuilder::Sphere to;
   to.molecule = cell.molecule;
-  to.mask = surgery.masks_after(sphere, cell).center;
+  to.mask = cell.masks.center;
   to.radius = dcm::ball_radius(volume);
   to.x = cell.x;
   for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
@@ -316,7 +318,7 @@ void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &c
 
   DCMBuilder::Deformable to;
   to.molecule = cell.molecule;
-  to.mask = surgery.masks_after(deformable, cell);
+  to.mask = cell.masks;
   to.volume0 = ratio * volume;
   for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
   to.x = dcm::fit_between({cell.x, cell.radius}, volume, neighbors, round);

@@ -81,11 +81,6 @@ def test_region(lmp, scenes):
     assert (row["Atoms"], row["Bonds"], row["Diheds"]) == (2 * ATOMS + 3, 2 * EDGES, 2 * EDGES)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="a converted cell gets the groups of another cell of its new type, not its own: the cell "
-    "that the others are near to loses its group",
-)
 def test_near(lmp, scenes):
     """Closer than d1 to a cell of the group: deformable; farther than d2 from all: back."""
     scene = row_of_spheres(scenes)
