@@ -277,11 +277,12 @@ void PairDCMContact::setup_history()
 {
   use_history = expect_spheres || set.history;
   if (use_history && comm->style == Comm::TILED)
-    error->all(FLERR,
-               "{}: contact history of {} works with 'comm_style brick' only (fix NEIGH_HISTORY of "
-               "LAMMPS cannot communicate in tiled style); use brick, with 'fix balance shift' if ranks "
-               "need balancing",
-               STYLE, expect_spheres ? "spheres" : "branch history");
+    error->all(
+        FLERR,
+        "{}: contact history of {} works with 'comm_style brick' only (fix NEIGH_HISTORY of "
+        "LAMMPS cannot communicate in tiled style); use brick, with 'fix balance shift' if ranks "
+        "need balancing",
+        STYLE, expect_spheres ? "spheres" : "branch history");
   neighbor->add_request(this, use_history ? NeighConst::REQ_SIZE | NeighConst::REQ_HISTORY
                                           : NeighConst::REQ_SIZE);
   if (use_history && !fix_history) {

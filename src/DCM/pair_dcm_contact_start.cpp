@@ -137,10 +137,8 @@ void PairDCMContact::check_start()
                  MPI_BYTE, world);
   for (size_t c = 0; fix_cell && c < fix_cell->cells.size(); c++) {
     const auto &cell = fix_cell->cells[c];
-    bodies.push_back({cell.molecule,
-                      {cell.x[0], cell.x[1], cell.x[2]},
-                      dcm::ball_radius(cell.volume),
-                      (int) c});
+    bodies.push_back(
+        {cell.molecule, {cell.x[0], cell.x[1], cell.x[2]}, dcm::ball_radius(cell.volume), (int) c});
   }
   std::sort(bodies.begin(), bodies.end(), [](const Body &a, const Body &b) {
     return a.molecule < b.molecule;
