@@ -49,6 +49,12 @@ def test_no_atom_style(lmp, scenes, style):
     fails(lmp, head + FOREIGN[style] + "\n", "dcm", "needs atom_style dcm", "full")
 
 
+def test_contact_history_needs_brick(lmp, scenes):
+    """LAMMPS' contact history cannot communicate in tiled style, on any number of ranks."""
+    deck = whole(scenes.hybrid(level=1), extra="comm_style tiled\n")
+    fails(lmp, deck, "Pair style dcm/contact.*spheres.*comm_style brick")
+
+
 # --- scenes that cannot be --------------------------------------------------------------------------
 
 
