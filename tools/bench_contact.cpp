@@ -14,8 +14,8 @@
 
 #include <Eigen/Geometry>
 
-#include "dcm_contact.h"
-#include "dcm_mesh.h"
+#include "law/contact.h"
+#include "law/mesh.h"
 
 using namespace dcm;
 

@@ -14,7 +14,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_compat.h"
-#include "dcm_cortex.h"
+#include "law/cortex.h"
 #include "dcm_parameters.h"
 #include "domain.h"
 #include "error.h"

@@ -14,8 +14,8 @@
 #include "atom_vec.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
-#include "dcm_mesh_io.h"
-#include "dcm_random.h"
+#include "law/mesh_io.h"
+#include "law/random.h"
 #include "dcm_text.h"
 #include "domain.h"
 #include "fix_dcm_growth.h"
@@ -57,7 +57,7 @@ void CreateCells::command(int narg, char **arg)
 
   mesh = dcm::icosphere(3);
   while (iarg < narg) iarg += parse_keyword(narg - iarg, arg + iarg);
-  DCMBuilder builder(lmp, "Create_cells", true);
+  DCMCellBuilder builder(lmp, "Create_cells", true);
   top = builder.prepare(mesh, equal_volume);
 
   bool deformable = false;
@@ -89,11 +89,11 @@ void CreateCells::command(int narg, char **arg)
   for (const auto &request : requests) {
     const auto &type = types[{request.name, request.deformable}];
     if (request.deformable) {
-      DCMBuilder::Deformable cell = shape(request, molecule);
+      DCMCellBuilder::Deformable cell = shape(request, molecule);
       cell.tag = tag;
       builder.create(type, top, cell);
     } else {
-      DCMBuilder::Sphere cell;
+      DCMCellBuilder::Sphere cell;
       cell.molecule = molecule;
       cell.tag = tag;
       cell.x = request.x;
@@ -173,7 +173,7 @@ int CreateCells::parse_keyword(int narg, char **arg)
 
   if (keyword == "dcm") {
     const int used = need(6);
-    DCMBuilder::Types type;
+    DCMCellBuilder::Types type;
     type.center = type_number(keyword, arg[2], atom->ntypes);
     type.node = type_number(keyword, arg[3], atom->ntypes);
     type.face = type_number(keyword, arg[4], atom->ntypes);
@@ -260,7 +260,7 @@ int CreateCells::type_number(const std::string &where, const std::string &text, 
    the round cell of a request, at rest but for the prestress of its cortex
 ------------------------------------------------------------------------- */
 
-DCMBuilder::Deformable CreateCells::shape(const Request &request, tagint molecule) const
+DCMCellBuilder::Deformable CreateCells::shape(const Request &request, tagint molecule) const
 {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   if (rotate_seed) {
@@ -268,11 +268,11 @@ DCMBuilder::Deformable CreateCells::shape(const Request &request, tagint molecul
     const Vec3 v = random.gaussian_vector();
     rotation = Eigen::Quaterniond(random.gaussian(), v[0], v[1], v[2]).normalized();
   }
-  DCMBuilder::Deformable cell;
+  DCMCellBuilder::Deformable cell;
   cell.molecule = molecule;
   cell.volume0 = std::pow(request.radius, 3) * dcm::volume(top.mesh);
   for (const auto &node : top.mesh.nodes)
     cell.x.push_back(request.x + request.radius * (rotation * node));
-  DCMBuilder::set_round_rest(top, rest, cell);
+  DCMCellBuilder::set_round_rest(top, rest, cell);
   return cell;
 }

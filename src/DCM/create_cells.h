@@ -18,7 +18,7 @@ CommandStyle(create_cells,CreateCells);
 #define LMP_CREATE_CELLS_H
 
 #include "command.h"
-#include "dcm_builder.h"
+#include "dcm_cell_builder.h"
 
 #include <map>
 #include <string>
@@ -42,9 +42,9 @@ class CreateCells : public Command {
     double radius;
   };
 
-  std::map<std::pair<std::string, bool>, DCMBuilder::Types> types;    // by name and deformable
+  std::map<std::pair<std::string, bool>, DCMCellBuilder::Types> types;    // by name and deformable
   std::vector<Request> requests;
-  DCMBuilder::Topology top;    // shape of all deformable cells
+  DCMCellBuilder::Topology top;    // shape of all deformable cells
   double rest = 1.0;
   int rotate_seed = 0;
   dcm::Mesh mesh;    // as given
@@ -53,7 +53,7 @@ class CreateCells : public Command {
   void read_table(const std::string &);
   void add_request(const std::vector<std::string> &, const std::string &);
   int parse_keyword(int, char **);
-  DCMBuilder::Deformable shape(const Request &, tagint) const;
+  DCMCellBuilder::Deformable shape(const Request &, tagint) const;
   double number(const std::string &, const std::string &) const;
   int type_number(const std::string &, const std::string &, int) const;
 };

@@ -12,7 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "dcm_volume.h"
+#include "law/volume.h"
 #include "error.h"
 #include "input.h"
 #include "modify.h"

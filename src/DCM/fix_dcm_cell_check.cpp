@@ -16,7 +16,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_compat.h"
-#include "dcm_vector.h"
+#include "law/vector.h"
 #include "domain.h"
 #include "error.h"
 #include "neighbor.h"

@@ -15,7 +15,7 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "dcm_parameters.h"
-#include "dcm_vector.h"
+#include "law/vector.h"
 #include "domain.h"
 #include "error.h"
 #include "fix_dcm_cell.h"

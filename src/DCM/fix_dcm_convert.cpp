@@ -15,9 +15,9 @@
 #include "dcm_compat.h"
 #include "dcm_gather.h"
 #include "dcm_parameters.h"
-#include "dcm_random.h"
-#include "dcm_shape.h"
-#include "dcm_volume.h"
+#include "law/random.h"
+#include "law/shape.h"
+#include "law/volume.h"
 #include "domain.h"
 #include "error.h"
 #include "fix_dcm_growth.h"
@@ -59,7 +59,7 @@ FixDCMConvert::FixDCMConvert(LAMMPS *lmp, int narg, char **arg) :
   const int nrules = !region_id[0].empty() + !variable.empty() + !group_id.empty();
   if (nrules != 1)
     error->all(FLERR, "{}: give one rule, region, near or variable, not {}", STYLE, nrules);
-  top = DCMBuilder(lmp, STYLE, false).prepare(dcm::icosphere(level), true);
+  top = DCMCellBuilder(lmp, STYLE, false).prepare(dcm::icosphere(level), true);
 
   vector_flag = 1;
   size_vector = 2;
@@ -156,9 +156,9 @@ void FixDCMConvert::init()
   }
   if (modify->get_fix_by_style("^dcm/cell$").empty())
     error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck", STYLE);
-  DCMSurgery::require_laws(lmp, STYLE);
-  DCMSurgery::check_order(lmp, this, STYLE);
-  DCMBuilder(lmp, STYLE, false).reserve_slots(top.slots);
+  DCMCellSurgery::require_laws(lmp, STYLE);
+  DCMCellSurgery::check_order(lmp, this, STYLE);
+  DCMCellBuilder(lmp, STYLE, false).reserve_slots(top.slots);
   next_reneighbor = -1;
 }
 
@@ -240,7 +240,7 @@ void FixDCMConvert::pre_exchange()
     if (!entry || entry->deformable == (int) it.to_deformable) continue;
     if (!it.to_deformable || can_be_shaped(it.molecule, all)) molecules.push_back(it.molecule);
   }
-  DCMSurgery surgery(lmp, STYLE);
+  DCMCellSurgery surgery(lmp, STYLE);
   auto cells = surgery.gather(molecules);
   for (auto &it : cells)    // by the atoms there are, before any of them changes
     it.masks = surgery.masks_after(it.mesh.nodes.empty() ? deformable : sphere, it);
@@ -256,10 +256,10 @@ void FixDCMConvert::pre_exchange()
   changing.clear();
 }
 
-void FixDCMConvert::to_sphere(DCMSurgery &surgery, const DCMSurgery::Cell &cell)
+void FixDCMConvert::to_sphere(DCMCellSurgery &surgery, const DCMCellSurgery::Cell &cell)
 {
   const double volume = dcm::volume(cell.mesh);
-  DCMBuilder::Sphere to;
+  DCMCellBuilder::Sphere to;
   to.molecule = cell.molecule;
   to.mask = cell.masks.center;
   to.radius = dcm::ball_radius(volume);
@@ -302,7 +302,7 @@ bool FixDCMConvert::can_be_shaped(tagint molecule, const std::vector<DCMCellAtom
    the rest volume is that for the pressure the cell had when it was last deformable
 ------------------------------------------------------------------------- */
 
-void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &cell,
+void FixDCMConvert::to_deformable(DCMCellSurgery &surgery, const DCMCellSurgery::Cell &cell,
                                   const std::vector<DCMCellAtom> &all)
 {
   const auto neighbors = neighbors_of(cell.molecule, cell.x, all);
@@ -316,13 +316,13 @@ void FixDCMConvert::to_deformable(DCMSurgery &surgery, const DCMSurgery::Cell &c
   dcm::Mesh round = top.mesh;
   for (Vec3 &x : round.nodes) x = rotation * x;
 
-  DCMBuilder::Deformable to;
+  DCMCellBuilder::Deformable to;
   to.molecule = cell.molecule;
   to.mask = cell.masks;
   to.volume0 = ratio * volume;
   for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
   to.x = dcm::fit_between({cell.x, cell.radius}, volume, neighbors, round);
-  DCMBuilder::set_round_rest(top, rest, to);
+  DCMCellBuilder::set_round_rest(top, rest, to);
   surgery.insert(deformable, top, to);
   growth->convert(cell.molecule, deformable.center, true, to.volume0, 1.0);
   counts[0]++;

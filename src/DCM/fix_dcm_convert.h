@@ -17,8 +17,8 @@ FixStyle(dcm/convert,FixDCMConvert);
 #ifndef LMP_FIX_DCM_CONVERT_H
 #define LMP_FIX_DCM_CONVERT_H
 
-#include "dcm_shape.h"
-#include "dcm_surgery.h"
+#include "law/shape.h"
+#include "dcm_cell_surgery.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -49,7 +49,7 @@ class FixDCMConvert : public Fix {
   };
 
   class FixDCMGrowth *growth;
-  DCMBuilder::Types deformable, sphere;
+  DCMCellBuilder::Types deformable, sphere;
   int level;
   double rest;    // rest length over edge of the round cell
   std::string region_id[2], variable, group_id;
@@ -57,7 +57,7 @@ class FixDCMConvert : public Fix {
   int near_bit;               // cells near a cell of this group become deformable
   double near[2];             // closer than, farther than
   std::uint64_t seed;
-  DCMBuilder::Topology top;
+  DCMCellBuilder::Topology top;
   std::vector<Change> changing;
   bigint counts[2];    // to deformable, to center-based
 
@@ -66,8 +66,8 @@ class FixDCMConvert : public Fix {
   std::vector<dcm::Ball> neighbors_of(tagint, const dcm::Vec3 &,
                                       const std::vector<struct DCMCellAtom> &) const;
   bool can_be_shaped(tagint, const std::vector<struct DCMCellAtom> &) const;
-  void to_sphere(DCMSurgery &, const DCMSurgery::Cell &);
-  void to_deformable(DCMSurgery &, const DCMSurgery::Cell &,
+  void to_sphere(DCMCellSurgery &, const DCMCellSurgery::Cell &);
+  void to_deformable(DCMCellSurgery &, const DCMCellSurgery::Cell &,
                      const std::vector<struct DCMCellAtom> &);
 };
 

@@ -13,8 +13,8 @@
 #include "comm.h"
 #include "dcm_gather.h"
 #include "dcm_parameters.h"
-#include "dcm_random.h"
-#include "dcm_surgery.h"
+#include "law/random.h"
+#include "dcm_cell_surgery.h"
 #include "domain.h"
 #include "error.h"
 #include "fix_dcm_growth.h"
@@ -126,7 +126,7 @@ void FixDCMDeath::init()
                "{}: rate {} means {} deaths per cell between two looks; it must be at most 0.1, "
                "reduce rate or every",
                STYLE, rate, rate * update->dt * nevery);
-  DCMSurgery::check_order(lmp, this, STYLE);
+  DCMCellSurgery::check_order(lmp, this, STYLE);
   next_reneighbor = -1;
 }
 
@@ -215,7 +215,7 @@ void FixDCMDeath::pre_exchange()
                               return !growth->find(molecule);
                             }),
              gone.end());
-  DCMSurgery surgery(lmp, STYLE);
+  DCMCellSurgery surgery(lmp, STYLE);
   surgery.begin();
   surgery.remove(gone);
   surgery.end();

@@ -14,7 +14,7 @@
 #include "comm.h"
 #include "dcm_gather.h"
 #include "dcm_parameters.h"
-#include "dcm_random.h"
+#include "law/random.h"
 #include "dihedral_dcm_bend.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
@@ -152,13 +152,13 @@ void FixDCMDivision::init()
 
   if (plane_mode == VARIABLE)
     for (const auto &name : variable_name) dcm_check_variable(lmp, STYLE, name);
-  DCMSurgery::check_order(lmp, this, STYLE);
+  DCMCellSurgery::check_order(lmp, this, STYLE);
 
   const bool deformable =
       std::any_of(growth->book.begin(), growth->book.end(), [](const FixDCMGrowth::Entry &it) {
         return it.deformable && it.cycle > 0.0;
       });
-  if (deformable) DCMSurgery::require_laws(lmp, STYLE);
+  if (deformable) DCMCellSurgery::require_laws(lmp, STYLE);
   if (!sisters.empty()) hold_back_sisters();
   next_reneighbor = -1;
 }
@@ -170,7 +170,7 @@ void FixDCMDivision::init()
 
 void FixDCMDivision::setup(int /*vflag*/)
 {
-  DCMSurgery surgery(lmp, STYLE);
+  DCMCellSurgery surgery(lmp, STYLE);
   for (const auto &it : growth->book) {
     const int c = it.deformable && it.cycle > 0.0 ? cell->find_cell(it.molecule) : -1;
     if (c >= 0) surgery.builder.reserve_slots(round_mesh(surgery, cell->cells[c].nnodes).slots);
@@ -236,7 +236,7 @@ void FixDCMDivision::pre_exchange()
                                return !it || it->phase != FixDCMGrowth::READY;
                              }),
               ready.end());
-  DCMSurgery surgery(lmp, STYLE);
+  DCMCellSurgery surgery(lmp, STYLE);
   const auto mothers = surgery.gather(ready);
 
   std::vector<Job> jobs;
@@ -264,7 +264,7 @@ void FixDCMDivision::pre_exchange()
    normal of the division plane
 ------------------------------------------------------------------------- */
 
-Vec3 FixDCMDivision::axis_of(const DCMSurgery::Cell &mother)
+Vec3 FixDCMDivision::axis_of(const DCMCellSurgery::Cell &mother)
 {
   if (plane_mode == GIVEN) return given;
   if (plane_mode == VARIABLE) return variable_axis[mother.molecule];
@@ -311,7 +311,7 @@ void FixDCMDivision::hold_back_sisters()
 
 /* ---------------------------------------------------------------------- */
 
-void FixDCMDivision::write_log(const DCMSurgery::Cell &mother, const Vec3 &axis,
+void FixDCMDivision::write_log(const DCMCellSurgery::Cell &mother, const Vec3 &axis,
                                const tagint *daughters, double volume, double volume1,
                                double volume2, int niter)
 {

@@ -17,8 +17,8 @@ FixStyle(dcm/division,FixDCMDivision);
 #ifndef LMP_FIX_DCM_DIVISION_H
 #define LMP_FIX_DCM_DIVISION_H
 
-#include "dcm_division.h"
-#include "dcm_surgery.h"
+#include "law/division.h"
+#include "dcm_cell_surgery.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -29,7 +29,7 @@ FixStyle(dcm/division,FixDCMDivision);
 namespace LAMMPS_NS {
 
 // Division of the cells that fix dcm/growth reports ready (S1 "Cell cycle and cell division",
-// "CBM: Cell division"). A deformable cell gives two whose shapes come from dcm_division.h, a
+// "CBM: Cell division"). A deformable cell gives two whose shapes come from law/division.h, a
 // center-based one two spheres in its space, whose contact is held back until they have relaxed.
 
 class FixDCMDivision : public Fix {
@@ -51,12 +51,12 @@ class FixDCMDivision : public Fix {
   enum Sphere { SOFTEN, TRUNCATE };
 
   struct Job {    // one division
-    DCMSurgery::Cell mother;
+    DCMCellSurgery::Cell mother;
     dcm::DivisionPlane plane;
     double volume;    // of the mother
     dcm::DivisionMaterial material;
     double rest;    // rest length over edge of the round cell
-    const DCMBuilder::Topology *round;
+    const DCMCellBuilder::Topology *round;
     dcm::Daughter daughter[2];
   };
 
@@ -79,9 +79,9 @@ class FixDCMDivision : public Fix {
   FILE *log;
   bool continued;
 
-  std::vector<tagint> ready;                       // molecules to divide in this step
-  std::map<tagint, dcm::Vec3> variable_axis;       // of the ready cells
-  std::map<int, DCMBuilder::Topology> topology;    // icospheres by level
+  std::vector<tagint> ready;                           // molecules to divide in this step
+  std::map<tagint, dcm::Vec3> variable_axis;           // of the ready cells
+  std::map<int, DCMCellBuilder::Topology> topology;    // icospheres by level
   std::vector<Pair> sisters;
 
   bigint ndcm, ncbm;    // divisions so far
@@ -92,15 +92,15 @@ class FixDCMDivision : public Fix {
 
   void parse(int, char **);
   void evaluate_variables();
-  dcm::Vec3 axis_of(const DCMSurgery::Cell &);
-  const DCMBuilder::Topology &round_mesh(DCMSurgery &, size_t nnodes);
-  Job prepare(DCMSurgery &, const DCMSurgery::Cell &);
+  dcm::Vec3 axis_of(const DCMCellSurgery::Cell &);
+  const DCMCellBuilder::Topology &round_mesh(DCMCellSurgery &, size_t nnodes);
+  Job prepare(DCMCellSurgery &, const DCMCellSurgery::Cell &);
   void grow(std::vector<Job> &);
   void check(const Job &) const;
-  void insert(DCMSurgery &, Job &);
-  void insert_spheres(DCMSurgery &, const DCMSurgery::Cell &);
+  void insert(DCMCellSurgery &, Job &);
+  void insert_spheres(DCMCellSurgery &, const DCMCellSurgery::Cell &);
   void hold_back_sisters();
-  void write_log(const DCMSurgery::Cell &, const dcm::Vec3 &axis, const tagint *daughters,
+  void write_log(const DCMCellSurgery::Cell &, const dcm::Vec3 &axis, const tagint *daughters,
                  double volume, double volume1, double volume2, int niter);
 };
 

@@ -45,7 +45,7 @@ static double rounded(double value, double unit)
    the icosphere with the mother's number of nodes, or the next one
 ------------------------------------------------------------------------- */
 
-const DCMBuilder::Topology &FixDCMDivision::round_mesh(DCMSurgery &surgery, size_t nnodes)
+const DCMCellBuilder::Topology &FixDCMDivision::round_mesh(DCMCellSurgery &surgery, size_t nnodes)
 {
   int level = 1;
   size_t size = 42;
@@ -63,7 +63,8 @@ const DCMBuilder::Topology &FixDCMDivision::round_mesh(DCMSurgery &surgery, size
    what the sub-simulation needs: plane, the laws' constants, the prestress of the cortex
 ------------------------------------------------------------------------- */
 
-FixDCMDivision::Job FixDCMDivision::prepare(DCMSurgery &surgery, const DCMSurgery::Cell &mother)
+FixDCMDivision::Job FixDCMDivision::prepare(DCMCellSurgery &surgery,
+                                            const DCMCellSurgery::Cell &mother)
 {
   Job job = {};
   job.mother = mother;
@@ -161,10 +162,10 @@ void FixDCMDivision::check(const Job &job) const
    two deformable daughters at rest as round cells of half the mother's rest volume
 ------------------------------------------------------------------------- */
 
-void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
+void FixDCMDivision::insert(DCMCellSurgery &surgery, Job &job)
 {
   const auto &top = *job.round;
-  DCMBuilder::Deformable daughter;
+  DCMCellBuilder::Deformable daughter;
   daughter.mask = job.mother.masks;
   daughter.volume0 = 0.5 * job.mother.volume0;
   for (int k = 0; k < 3; k++) daughter.v[k] = job.mother.v[k];
@@ -174,7 +175,7 @@ void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
     const dcm::Daughter &d = job.daughter[side];
     // rest lengths of the rest volume again; below the mother's if slack was taken up
     const double rest = d.rest * std::cbrt(job.volume / job.mother.volume0);
-    DCMBuilder::set_round_rest(top, rest, daughter);
+    DCMCellBuilder::set_round_rest(top, rest, daughter);
     daughter.molecule = molecule[side] = growth->new_molecule();
     daughter.x = d.mesh.nodes;
     surgery.insert(job.mother.types, top, daughter);
@@ -192,10 +193,10 @@ void FixDCMDivision::insert(DCMSurgery &surgery, Job &job)
    two spheres of half the volume that reach no farther than the mother did
 ------------------------------------------------------------------------- */
 
-void FixDCMDivision::insert_spheres(DCMSurgery &surgery, const DCMSurgery::Cell &mother)
+void FixDCMDivision::insert_spheres(DCMCellSurgery &surgery, const DCMCellSurgery::Cell &mother)
 {
   const Vec3 axis = axis_of(mother);
-  DCMBuilder::Sphere daughter;
+  DCMCellBuilder::Sphere daughter;
   daughter.mask = mother.masks.center;
   daughter.radius = mother.radius / std::cbrt(2.0);
   for (int k = 0; k < 3; k++) daughter.v[k] = mother.v[k];

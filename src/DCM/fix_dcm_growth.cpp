@@ -15,7 +15,7 @@
 #include "comm.h"
 #include "dcm_gather.h"
 #include "dcm_parameters.h"
-#include "dcm_volume.h"
+#include "law/volume.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"

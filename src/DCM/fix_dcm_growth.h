@@ -17,7 +17,7 @@ FixStyle(dcm/growth,FixDCMGrowth);
 #ifndef LMP_FIX_DCM_GROWTH_H
 #define LMP_FIX_DCM_GROWTH_H
 
-#include "dcm_growth.h"
+#include "law/growth.h"
 #include "fix.h"
 
 #include <cstdint>

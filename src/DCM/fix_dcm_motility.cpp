@@ -13,7 +13,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "dcm_parameters.h"
-#include "dcm_random.h"
+#include "law/random.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "memory.h"

@@ -17,8 +17,8 @@ FixStyle(dcm/motion,FixDCMMotion);
 #ifndef LMP_FIX_DCM_MOTION_H
 #define LMP_FIX_DCM_MOTION_H
 
-#include "dcm_friction_comm.h"
-#include "dcm_friction_solver.h"
+#include "law/friction_comm.h"
+#include "law/friction_solver.h"
 #include "fix.h"
 
 #include <memory>

@@ -17,8 +17,8 @@ PairStyle(dcm/contact,PairDCMContact);
 #ifndef LMP_PAIR_DCM_CONTACT_H
 #define LMP_PAIR_DCM_CONTACT_H
 
-#include "dcm_contact.h"
-#include "dcm_friction.h"
+#include "law/contact.h"
+#include "law/friction.h"
 #include "dcm_parameters.h"
 #include "pair.h"
 
@@ -41,7 +41,7 @@ class PairDCMContact : public Pair {
   };
 
   // two spheres, the daughters of one cell, that a division left deep inside each other: their
-  // contact is held back (HeldJKR in dcm_jkr.h) until they have moved apart
+  // contact is held back (HeldJKR in law/jkr.h) until they have moved apart
   struct Sisters {
     tagint molecule, other;
     double most = 0.0;     // largest repulsive force, 0: no limit
@@ -110,6 +110,10 @@ class PairDCMContact : public Pair {
   double range() const { return range_used; }
 
  private:
+  // what the list is laid out for: radii grow by these factors, spheres only if something makes
+  // cells grow
+  static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
+
   enum Law { DMT, MAUGIS };
   enum CommMode { SUMS, NEIGHBORS, MODULUS };
 

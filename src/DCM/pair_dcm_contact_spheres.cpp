@@ -15,7 +15,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
-#include "dcm_jkr.h"
+#include "law/jkr.h"
 #include "error.h"
 
 #include <algorithm>

@@ -5,8 +5,8 @@
 #ifndef DCM_TEST_HELPERS_H
 #define DCM_TEST_HELPERS_H
 
-#include "dcm_random.h"
-#include "dcm_vector.h"
+#include "law/random.h"
+#include "law/vector.h"
 
 #include <gtest/gtest.h>
 

@@ -3,9 +3,9 @@
 // Contact kernel: triangulated spheres against the closed form of the spheres, single pairs
 // against brute-force quadrature over the common area, balance, symmetry, smoothness, robustness.
 
-#include "dcm_contact.h"
-#include "dcm_curvature.h"
-#include "dcm_mesh.h"
+#include "law/contact.h"
+#include "law/curvature.h"
+#include "law/mesh.h"
 #include "helpers.h"
 
 #include <limits>

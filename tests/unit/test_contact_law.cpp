@@ -3,9 +3,9 @@
 // The contact laws against the literal equations (S1 "Contact model"), against quadrature of
 // p(r), and against known limits: Hertz, JKR, DMT, Derjaguin.
 
-#include "dcm_contact_law.h"
-#include "dcm_dmt.h"
-#include "dcm_maugis.h"
+#include "law/contact_law.h"
+#include "law/dmt.h"
+#include "law/maugis.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 
 // Cortex springs and dashpots against lattice elasticity, an inflated sphere and creep.
 
-#include "dcm_cortex.h"
-#include "dcm_mesh.h"
+#include "law/cortex.h"
+#include "law/mesh.h"
 #include "helpers.h"
 
 using namespace dcm;

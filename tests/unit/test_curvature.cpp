@@ -2,8 +2,8 @@
 
 // Curvature of nodes and faces on surfaces whose curvature is known, and the face spheres.
 
-#include "dcm_curvature.h"
-#include "dcm_mesh.h"
+#include "law/curvature.h"
+#include "law/mesh.h"
 #include "helpers.h"
 
 #include <limits>

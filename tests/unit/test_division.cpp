@@ -3,7 +3,7 @@
 // Division: plane cuts against closed forms, the envelope against brute force, and daughters
 // against force balance, exact volumes, symmetry and rotation.
 
-#include "dcm_division.h"
+#include "law/division.h"
 #include "helpers.h"
 
 #include <functional>

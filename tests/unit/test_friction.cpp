@@ -1,10 +1,10 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// friction blocks and their solver (dcm_friction.h, dcm_friction_solver.h) against dense matrices
+// friction blocks and their solver (law/friction.h, law/friction_solver.h) against dense matrices
 // assembled from the formulas, and against Eigen's direct solver
 
-#include "dcm_friction.h"
-#include "dcm_friction_solver.h"
+#include "law/friction.h"
+#include "law/friction_solver.h"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

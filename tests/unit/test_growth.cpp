@@ -3,7 +3,7 @@
 // Growth over a cycle: both laws and their inverse, slowing by compression, moments and cuts of the
 // cycle time. Seeds are fixed; bounds on sampled moments are 4 standard errors.
 
-#include "dcm_growth.h"
+#include "law/growth.h"
 #include "helpers.h"
 
 using namespace dcm;

@@ -2,9 +2,9 @@
 
 // Hinges: sign, gradient, balance, and the bending rigidity of whole surfaces.
 
-#include "dcm_cortex.h"
-#include "dcm_hinge.h"
-#include "dcm_mesh.h"
+#include "law/cortex.h"
+#include "law/hinge.h"
+#include "law/mesh.h"
 #include "helpers.h"
 
 #include <Eigen/SparseCholesky>

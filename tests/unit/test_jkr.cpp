@@ -3,7 +3,7 @@
 // JKR contact: pull-off, inverse, limits, energy, the published form of LAMMPS' granular jkr, and
 // the contact held back between sister cells.
 
-#include "dcm_jkr.h"
+#include "law/jkr.h"
 #include "helpers.h"
 
 using namespace dcm;

@@ -2,9 +2,9 @@
 
 // Meshes: icospheres, edges and hinges, files, and every fault check_mesh() must name.
 
-#include "dcm_hinge.h"
-#include "dcm_mesh.h"
-#include "dcm_mesh_io.h"
+#include "law/hinge.h"
+#include "law/mesh.h"
+#include "law/mesh_io.h"
 #include "helpers.h"
 
 #include <cstdio>

@@ -3,7 +3,7 @@
 // Overlap of two triangles against a slow reference: all corners inside the other triangle and all
 // crossings of edges, ordered around their mean.
 
-#include "dcm_overlap.h"
+#include "law/overlap.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 // Seeds are fixed, so a test either always passes or always fails; bounds are 4 to 5 standard
 // errors.
 
-#include "dcm_random.h"
+#include "law/random.h"
 #include "helpers.h"
 
 #include <set>

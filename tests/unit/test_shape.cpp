@@ -3,7 +3,7 @@
 // The shape that takes the place of a sphere: volume, flattening by the planes of equal power,
 // rotation, valid meshes in random packings.
 
-#include "dcm_shape.h"
+#include "law/shape.h"
 #include "helpers.h"
 
 using namespace dcm;

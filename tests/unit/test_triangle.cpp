@@ -1,9 +1,9 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-#include "dcm_envelope.h"
-#include "dcm_mesh.h"
-#include "dcm_random.h"
-#include "dcm_triangle.h"
+#include "law/envelope.h"
+#include "law/mesh.h"
+#include "law/random.h"
+#include "law/triangle.h"
 
 #include <gtest/gtest.h>
 

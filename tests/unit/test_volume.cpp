@@ -2,9 +2,9 @@
 
 // Volume, pressure and both forms of the pressure force.
 
-#include "dcm_curvature.h"
-#include "dcm_mesh.h"
-#include "dcm_volume.h"
+#include "law/curvature.h"
+#include "law/mesh.h"
+#include "law/volume.h"
 #include "helpers.h"
 
 using namespace dcm;

@@ -14,7 +14,7 @@
 #ifndef DCM_HINGE_H
 #define DCM_HINGE_H
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 #include <algorithm>
 #include <cmath>

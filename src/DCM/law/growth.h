@@ -6,7 +6,7 @@
 #ifndef DCM_GROWTH_H
 #define DCM_GROWTH_H
 
-#include "dcm_random.h"
+#include "random.h"
 
 #include <algorithm>
 #include <cmath>

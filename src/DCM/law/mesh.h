@@ -1,12 +1,12 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
 // Closed triangulated surfaces: icospheres, edges, hinges, measures and a validity check.
-// Set-up code: it allocates and is not meant for the time step. Files: dcm_mesh_io.h.
+// Set-up code: it allocates and is not meant for the time step. Files: mesh_io.h.
 
 #ifndef DCM_MESH_H
 #define DCM_MESH_H
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #ifndef DCM_MESH_IO_H
 #define DCM_MESH_IO_H
 
-#include "dcm_mesh.h"
+#include "mesh.h"
 
 #include <cctype>
 #include <cerrno>

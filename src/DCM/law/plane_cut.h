@@ -9,9 +9,9 @@
 #ifndef DCM_PLANE_CUT_H
 #define DCM_PLANE_CUT_H
 
-#include "dcm_mesh.h"
-#include "dcm_vector.h"
-#include "dcm_volume.h"
+#include "mesh.h"
+#include "vector.h"
+#include "volume.h"
 
 #include <Eigen/Eigenvalues>
 

@@ -1,6 +1,6 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// What the two contact laws (dcm_maugis.h, dcm_dmt.h) have in common. A law is a state of one
+// What the two contact laws (maugis.h, dmt.h) have in common. A law is a state of one
 // contact of two spheres with a radial stress p(r), compression positive, r = distance from the
 // axis through the sphere centers:
 //
@@ -31,7 +31,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 namespace dcm {
 

@@ -5,10 +5,10 @@
 // unknowns that its blocks really touch. All copies of an unknown on one process share one slot,
 // so that periodic images of own atoms need no message at all.
 
-#ifndef LMP_DCM_FRICTION_COMM_H
-#define LMP_DCM_FRICTION_COMM_H
+#ifndef DCM_FRICTION_COMM_H
+#define DCM_FRICTION_COMM_H
 
-#include "dcm_friction.h"
+#include "friction.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -4,21 +4,21 @@
 // frozen as an envelope and cut by a plane; in each half a round cell grows against envelope and
 // plane to force balance with exactly its share of the mother's volume. No physical time passes:
 // balance is the minimum of the energy of the simulation's own laws plus that of the walls
-// (dcm_confined_cell.h), so neither dashpots nor friction play a part.
+// (confined_cell.h), so neither dashpots nor friction play a part.
 //
 // Units: lengths um, forces nN, pressures and moduli nN/um^2 (= kPa), energies nN um.
 
 #ifndef DCM_DIVISION_H
 #define DCM_DIVISION_H
 
-#include "dcm_confined_cell.h"
-#include "dcm_envelope.h"
-#include "dcm_hinge.h"
-#include "dcm_lbfgs.h"
-#include "dcm_mesh.h"
-#include "dcm_plane_cut.h"
-#include "dcm_vector.h"
-#include "dcm_volume.h"
+#include "confined_cell.h"
+#include "envelope.h"
+#include "hinge.h"
+#include "lbfgs.h"
+#include "mesh.h"
+#include "plane_cut.h"
+#include "vector.h"
+#include "volume.h"
 
 #include <algorithm>
 #include <cmath>

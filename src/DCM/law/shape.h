@@ -6,7 +6,7 @@
 #ifndef DCM_SHAPE_H
 #define DCM_SHAPE_H
 
-#include "dcm_mesh.h"
+#include "mesh.h"
 
 #include <algorithm>
 #include <vector>

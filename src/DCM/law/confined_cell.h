@@ -1,8 +1,8 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
 // A cell that grows against walls, a closed envelope and a plane that cuts it: its energy and
-// forces, those of the simulation's own laws (dcm_cortex.h, dcm_hinge.h, dcm_volume.h) plus those
-// of the walls. For the division of cells, see dcm_division.h.
+// forces, those of the simulation's own laws (cortex.h, hinge.h, volume.h) plus those
+// of the walls. For the division of cells, see division.h.
 //
 // Walls are elastic foundations on one side: pressure = wall * depth on the node's share of area,
 // towards the nearest wall point, without friction. The share is that of the round rest mesh and
@@ -14,13 +14,13 @@
 #ifndef DCM_CONFINED_CELL_H
 #define DCM_CONFINED_CELL_H
 
-#include "dcm_cortex.h"
-#include "dcm_envelope.h"
-#include "dcm_hinge.h"
-#include "dcm_mesh.h"
-#include "dcm_plane_cut.h"
-#include "dcm_vector.h"
-#include "dcm_volume.h"
+#include "cortex.h"
+#include "envelope.h"
+#include "hinge.h"
+#include "mesh.h"
+#include "plane_cut.h"
+#include "vector.h"
+#include "volume.h"
 
 #include <algorithm>
 #include <array>

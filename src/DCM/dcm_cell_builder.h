@@ -8,10 +8,10 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-#ifndef LMP_DCM_BUILDER_H
-#define LMP_DCM_BUILDER_H
+#ifndef LMP_DCM_CELL_BUILDER_H
+#define LMP_DCM_CELL_BUILDER_H
 
-#include "dcm_mesh.h"
+#include "law/mesh.h"
 #include "pointers.h"
 
 #include <string>
@@ -20,10 +20,10 @@
 namespace LAMMPS_NS {
 
 // Makes the atoms, bonds and dihedrals of whole cells, before a run (create_cells) and in one
-// (dcm_surgery.h). Every rank makes the same calls and keeps the atoms that are its own, so that
-// the result does not depend on the number of ranks.
+// (dcm_cell_surgery.h). Every rank makes the same calls and keeps the atoms that are its own, so
+// that the result does not depend on the number of ranks.
 
-class DCMBuilder : protected Pointers {
+class DCMCellBuilder : protected Pointers {
  public:
   // atom, bond and dihedral types of a deformable cell; a center-based one uses center only
 
@@ -73,7 +73,7 @@ class DCMBuilder : protected Pointers {
 
   // asking: the command or style, for messages; strict: atoms outside the box do not count (they
   // are an error of the caller's); else they belong to the nearest rank until the box follows
-  DCMBuilder(class LAMMPS *, const std::string &asking, bool strict);
+  DCMCellBuilder(class LAMMPS *, const std::string &asking, bool strict);
 
   // center and scale the mesh, find its hinges; error on a mesh that cannot be a cell's surface
   Topology prepare(dcm::Mesh mesh, bool equal_volume) const;

@@ -7,7 +7,7 @@
 #ifndef DCM_RANDOM_H
 #define DCM_RANDOM_H
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 #include <array>
 #include <cmath>

@@ -8,10 +8,10 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-#ifndef LMP_DCM_SURGERY_H
-#define LMP_DCM_SURGERY_H
+#ifndef LMP_DCM_CELL_SURGERY_H
+#define LMP_DCM_CELL_SURGERY_H
 
-#include "dcm_builder.h"
+#include "dcm_cell_builder.h"
 
 #include <vector>
 
@@ -20,7 +20,7 @@ namespace LAMMPS_NS {
 // Takes whole cells out of a running simulation and puts others in, in pre_exchange of a step that
 // rebuilds the neighbor lists:
 //
-//   DCMSurgery surgery(lmp, STYLE);
+//   DCMCellSurgery surgery(lmp, STYLE);
 //   const auto old = surgery.gather(molecules);    // all ranks see the same cells
 //   surgery.begin();
 //   surgery.remove(molecules);
@@ -29,14 +29,14 @@ namespace LAMMPS_NS {
 //
 // Tags of removed cells are used again, the lowest first, so that they do not run away.
 
-class DCMSurgery : protected Pointers {
+class DCMCellSurgery : protected Pointers {
  public:
   // a cell as it stands, the same on all ranks; deformable: radius is 0, else the mesh is empty
 
   struct Cell {
     tagint molecule = 0;
-    DCMBuilder::Masks masks;    // groups of the center or sphere, of all nodes, of all faces
-    DCMBuilder::Types types;
+    DCMCellBuilder::Masks masks;    // groups of the center or sphere, of all nodes, of all faces
+    DCMCellBuilder::Types types;
     dcm::Mesh mesh;             // unwrapped, nodes and faces by tag
     std::vector<double> l0;     // per edge of dcm::edges(mesh)
     std::vector<int> region;    // per face
@@ -46,22 +46,23 @@ class DCMSurgery : protected Pointers {
     dcm::Vec3 v = dcm::Vec3::Zero();    // mean velocity
   };
 
-  DCMSurgery(class LAMMPS *, const std::string &asking);
+  DCMCellSurgery(class LAMMPS *, const std::string &asking);
 
   // groups of the atoms of a cell that takes another form: its own; those that all atoms of the
   // new type are in; for nodes and faces not those that all atoms of its old type are in
-  DCMBuilder::Masks masks_after(const DCMBuilder::Types &to, const Cell &cell) const;
+  DCMCellBuilder::Masks masks_after(const DCMCellBuilder::Types &to, const Cell &cell) const;
 
   // molecules: sorted; the result has the same order. Error if one of them does not exist.
   std::vector<Cell> gather(const std::vector<tagint> &molecules) const;
 
   void begin();
   void remove(const std::vector<tagint> &molecules);
-  void insert(const DCMBuilder::Types &, const DCMBuilder::Topology &, DCMBuilder::Deformable);
-  void insert(const DCMBuilder::Types &, DCMBuilder::Sphere);
+  void insert(const DCMCellBuilder::Types &, const DCMCellBuilder::Topology &,
+              DCMCellBuilder::Deformable);
+  void insert(const DCMCellBuilder::Types &, DCMCellBuilder::Sphere);
   void end();
 
-  DCMBuilder builder;
+  DCMCellBuilder builder;
 
   // error unless the deck has the laws that hold a deformable cell together
   static void require_laws(class LAMMPS *, const std::string &asking);

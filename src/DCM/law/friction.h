@@ -17,8 +17,8 @@
 // fourth always zero, since processors like to work on four at a time.
 // Units: friction coefficients in force * time / length (um, nN, s: nN s/um).
 
-#ifndef LMP_DCM_FRICTION_H
-#define LMP_DCM_FRICTION_H
+#ifndef DCM_FRICTION_H
+#define DCM_FRICTION_H
 
 #include <cmath>
 #include <cstddef>

@@ -9,8 +9,8 @@
 #ifndef DCM_ENVELOPE_H
 #define DCM_ENVELOPE_H
 
-#include "dcm_mesh.h"
-#include "dcm_vector.h"
+#include "mesh.h"
+#include "vector.h"
 
 #include <algorithm>
 #include <array>

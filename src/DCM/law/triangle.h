@@ -1,12 +1,12 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
 // Signed distance of a point from a surface given face by face, for the rare question; for many
-// points and one surface see dcm_envelope.h. Lengths in um.
+// points and one surface see envelope.h. Lengths in um.
 
 #ifndef DCM_TRIANGLE_H
 #define DCM_TRIANGLE_H
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 #include <algorithm>
 #include <cmath>

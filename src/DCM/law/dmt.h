@@ -4,13 +4,13 @@
 // gap of the Hertz solution lies in (0, h0). Continuous in delta, derives from a potential, force
 // -2 pi W R at first touch (delta = 0), work of separation of two flats exactly W. The pull-off
 // force is 2 pi W R in the law's own limit, small Maugis parameter (lambda < 0.1, see
-// dcm_maugis.h); beyond, tension goes on growing after first touch: 2.04 pi W R at lambda =
-// 0.5, 2.14 at 1, 2.61 at 3, 3.77 at 10. See dcm_contact_law.h for the interface.
+// maugis.h); beyond, tension goes on growing after first touch: 2.04 pi W R at lambda =
+// 0.5, 2.14 at 1, 2.61 at 3, 3.77 at 10. See contact_law.h for the interface.
 
 #ifndef DCM_DMT_H
 #define DCM_DMT_H
 
-#include "dcm_contact_law.h"
+#include "contact_law.h"
 
 namespace dcm {
 

@@ -15,8 +15,8 @@
 #ifndef DCM_RADIAL_INTEGRAL_H
 #define DCM_RADIAL_INTEGRAL_H
 
-#include "dcm_contact_law.h"
-#include "dcm_overlap.h"
+#include "contact_law.h"
+#include "overlap.h"
 
 namespace dcm {
 

@@ -11,7 +11,7 @@
 #ifndef DCM_CURVATURE_H
 #define DCM_CURVATURE_H
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #ifndef DCM_VOLUME_H
 #define DCM_VOLUME_H
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 #include <cmath>
 

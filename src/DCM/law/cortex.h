@@ -7,7 +7,7 @@
 #ifndef DCM_CORTEX_H
 #define DCM_CORTEX_H
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
 // Contact law `maugis`: Maugis-Dugdale adhesion of elastic half-spaces (S1 "Contact model").
-// See dcm_contact_law.h for the interface. In the units
+// See contact_law.h for the interface. In the units
 //
 //   K = 4E/3, unit_d = (pi^2 W^2 R/K^2)^(1/3), unit_a = sqrt(R unit_d),
 //   lambda = 2 sigma0 (R/(pi W K^2))^(1/3), A = a/unit_a, C = c/unit_a, D = delta/unit_d
@@ -20,7 +20,7 @@
 #ifndef DCM_MAUGIS_H
 #define DCM_MAUGIS_H
 
-#include "dcm_contact_law.h"
+#include "contact_law.h"
 
 namespace dcm {
 

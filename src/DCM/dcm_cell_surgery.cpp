@@ -8,7 +8,7 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-#include "dcm_surgery.h"
+#include "dcm_cell_surgery.h"
 
 #include "atom.h"
 #include "atom_vec.h"
@@ -66,7 +66,7 @@ bool holds(const std::vector<tagint> &sorted, tagint value)
 
 /* ---------------------------------------------------------------------- */
 
-DCMSurgery::DCMSurgery(LAMMPS *lmp, const std::string &_asking) :
+DCMCellSurgery::DCMCellSurgery(LAMMPS *lmp, const std::string &_asking) :
     Pointers(lmp), builder(lmp, _asking, false), asking(_asking),
     dcm(AtomVecDCM::require(lmp, _asking))
 {
@@ -77,7 +77,7 @@ DCMSurgery::DCMSurgery(LAMMPS *lmp, const std::string &_asking) :
    where their atoms live
 ------------------------------------------------------------------------- */
 
-std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &molecules) const
+std::vector<DCMCellSurgery::Cell> DCMCellSurgery::gather(const std::vector<tagint> &molecules) const
 {
   std::vector<Part> mine;
   std::vector<Edge> my_edges;
@@ -175,7 +175,8 @@ std::vector<DCMSurgery::Cell> DCMSurgery::gather(const std::vector<tagint> &mole
 
 /* ---------------------------------------------------------------------- */
 
-DCMBuilder::Masks DCMSurgery::masks_after(const DCMBuilder::Types &to, const Cell &cell) const
+DCMCellBuilder::Masks DCMCellSurgery::masks_after(const DCMCellBuilder::Types &to,
+                                                  const Cell &cell) const
 {
   // masks common to all atoms of a type, the same after any number of ranks; ~0: no such atom
 
@@ -194,7 +195,7 @@ DCMBuilder::Masks DCMSurgery::masks_after(const DCMBuilder::Types &to, const Cel
    ghosts are gone from here until the exchange that follows
 ------------------------------------------------------------------------- */
 
-void DCMSurgery::begin()
+void DCMCellSurgery::begin()
 {
   if (atom->map_style != Atom::MAP_NONE) atom->map_clear();
   atom->nghost = 0;
@@ -207,7 +208,7 @@ void DCMSurgery::begin()
    the atoms that stay keep their order
 ------------------------------------------------------------------------- */
 
-void DCMSurgery::remove(const std::vector<tagint> &molecules)
+void DCMCellSurgery::remove(const std::vector<tagint> &molecules)
 {
   if (molecules.empty()) return;
   int n = 0;
@@ -228,7 +229,7 @@ void DCMSurgery::remove(const std::vector<tagint> &molecules)
    first of n tags in a row that nobody has; found in the same way on all ranks
 ------------------------------------------------------------------------- */
 
-tagint DCMSurgery::free_tags(tagint n)
+tagint DCMCellSurgery::free_tags(tagint n)
 {
   if (!have_used) {
     const std::vector<tagint> mine(atom->tag, atom->tag + atom->nlocal);
@@ -251,8 +252,8 @@ tagint DCMSurgery::free_tags(tagint n)
    what is put in is known to all ranks; rank 0 counts it
 ------------------------------------------------------------------------- */
 
-void DCMSurgery::insert(const DCMBuilder::Types &types, const DCMBuilder::Topology &top,
-                        DCMBuilder::Deformable cell)
+void DCMCellSurgery::insert(const DCMCellBuilder::Types &types, const DCMCellBuilder::Topology &top,
+                            DCMCellBuilder::Deformable cell)
 {
   builder.reserve_slots(top.slots);
   cell.tag = free_tags(top.size());
@@ -263,7 +264,7 @@ void DCMSurgery::insert(const DCMBuilder::Types &types, const DCMBuilder::Topolo
   expected[2] += (bigint) top.hinges.size();
 }
 
-void DCMSurgery::insert(const DCMBuilder::Types &types, DCMBuilder::Sphere cell)
+void DCMCellSurgery::insert(const DCMCellBuilder::Types &types, DCMCellBuilder::Sphere cell)
 {
   cell.tag = free_tags(1);
   builder.create(types, cell);
@@ -274,7 +275,7 @@ void DCMSurgery::insert(const DCMBuilder::Types &types, DCMBuilder::Sphere cell)
    atoms, bonds and dihedrals of this rank
 ------------------------------------------------------------------------- */
 
-void DCMSurgery::count(bigint *counts) const
+void DCMCellSurgery::count(bigint *counts) const
 {
   counts[0] = atom->nlocal;
   counts[1] = counts[2] = 0;
@@ -284,7 +285,7 @@ void DCMSurgery::count(bigint *counts) const
   }
 }
 
-void DCMSurgery::end()
+void DCMCellSurgery::end()
 {
   atom->data_fix_compute_variable(nbefore, atom->nlocal);
 
@@ -309,7 +310,7 @@ void DCMSurgery::end()
 
 /* ---------------------------------------------------------------------- */
 
-void DCMSurgery::require_laws(LAMMPS *lmp, const std::string &asking)
+void DCMCellSurgery::require_laws(LAMMPS *lmp, const std::string &asking)
 {
   Force *const force = lmp->force;
   if (!dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex")) ||
@@ -326,7 +327,7 @@ void DCMSurgery::require_laws(LAMMPS *lmp, const std::string &asking)
    come first
 ------------------------------------------------------------------------- */
 
-void DCMSurgery::check_order(LAMMPS *lmp, const Fix *mine, const std::string &asking)
+void DCMCellSurgery::check_order(LAMMPS *lmp, const Fix *mine, const std::string &asking)
 {
   bool after = false;
   for (const auto *fix : lmp->modify->get_fix_list()) {

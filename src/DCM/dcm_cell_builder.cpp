@@ -8,14 +8,14 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-#include "dcm_builder.h"
+#include "dcm_cell_builder.h"
 
 #include "atom.h"
 #include "atom_vec.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
-#include "dcm_hinge.h"
-#include "dcm_volume.h"
+#include "law/hinge.h"
+#include "law/volume.h"
 #include "domain.h"
 #include "error.h"
 
@@ -27,7 +27,7 @@ using dcm::Vec3;
 
 /* ---------------------------------------------------------------------- */
 
-DCMBuilder::DCMBuilder(LAMMPS *lmp, const std::string &_asking, bool _strict) :
+DCMCellBuilder::DCMCellBuilder(LAMMPS *lmp, const std::string &_asking, bool _strict) :
     Pointers(lmp), asking(_asking), strict(_strict), dcm(AtomVecDCM::require(lmp, _asking))
 {
 }
@@ -37,7 +37,7 @@ DCMBuilder::DCMBuilder(LAMMPS *lmp, const std::string &_asking, bool _strict) :
    hinges so that no node stores many
 ------------------------------------------------------------------------- */
 
-DCMBuilder::Topology DCMBuilder::prepare(dcm::Mesh mesh, bool equal_volume) const
+DCMCellBuilder::Topology DCMCellBuilder::prepare(dcm::Mesh mesh, bool equal_volume) const
 {
   const std::string problem = dcm::check_mesh(mesh);
   if (!problem.empty()) error->all(FLERR, "{}: bad mesh: {}", asking, problem);
@@ -66,7 +66,7 @@ DCMBuilder::Topology DCMBuilder::prepare(dcm::Mesh mesh, bool equal_volume) cons
 
 /* ---------------------------------------------------------------------- */
 
-void DCMBuilder::set_round_rest(const Topology &top, double rest, Deformable &cell)
+void DCMCellBuilder::set_round_rest(const Topology &top, double rest, Deformable &cell)
 {
   const auto &x = top.mesh.nodes;
   const double size = std::cbrt(cell.volume0 / dcm::volume(top.mesh));
@@ -82,7 +82,7 @@ void DCMBuilder::set_round_rest(const Topology &top, double rest, Deformable &ce
    topology slots are fixed once atoms exist; until then they can be made here
 ------------------------------------------------------------------------- */
 
-void DCMBuilder::reserve_slots(int slots)
+void DCMCellBuilder::reserve_slots(int slots)
 {
   if (atom->bond_per_atom >= slots && atom->dihedral_per_atom >= slots) return;
   if (atom->natoms > 0)
@@ -100,8 +100,8 @@ void DCMBuilder::reserve_slots(int slots)
    add an atom if it is mine and return its index, else -1
 ------------------------------------------------------------------------- */
 
-int DCMBuilder::create_atom(const double *coord, int type, int kind, tagint tag, tagint molecule,
-                            int mask, const double *v)
+int DCMCellBuilder::create_atom(const double *coord, int type, int kind, tagint tag,
+                                tagint molecule, int mask, const double *v)
 {
   double x[3] = {coord[0], coord[1], coord[2]};
   imageint image =
@@ -124,7 +124,7 @@ int DCMBuilder::create_atom(const double *coord, int type, int kind, tagint tag,
   return i;
 }
 
-void DCMBuilder::create(const Types &type, const Sphere &cell)
+void DCMCellBuilder::create(const Types &type, const Sphere &cell)
 {
   const int i = create_atom(cell.x.data(), type.center, AtomVecDCM::SPHERE, cell.tag, cell.molecule,
                             cell.mask, cell.v);
@@ -135,7 +135,7 @@ void DCMBuilder::create(const Types &type, const Sphere &cell)
    tags of a cell: center, nodes in mesh order, faces in mesh order
 ------------------------------------------------------------------------- */
 
-void DCMBuilder::create(const Types &type, const Topology &top, const Deformable &cell)
+void DCMCellBuilder::create(const Types &type, const Topology &top, const Deformable &cell)
 {
   Vec3 center = Vec3::Zero();
   for (const auto &x : cell.x) center += x / (double) cell.x.size();

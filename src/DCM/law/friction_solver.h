@@ -1,6 +1,6 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// Preconditioned conjugate gradients for the friction system (dcm_friction.h), written once for any
+// Preconditioned conjugate gradients for the friction system (friction.h), written once for any
 // number of processes. All messages go through a small policy class:
 //
 //   struct Communicator {
@@ -11,10 +11,10 @@
 //
 // One iteration costs one forward, one reverse and two sums.
 
-#ifndef LMP_DCM_FRICTION_SOLVER_H
-#define LMP_DCM_FRICTION_SOLVER_H
+#ifndef DCM_FRICTION_SOLVER_H
+#define DCM_FRICTION_SOLVER_H
 
-#include "dcm_friction.h"
+#include "friction.h"
 
 #include <algorithm>
 #include <cmath>

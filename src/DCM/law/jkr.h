@@ -13,7 +13,7 @@
 #ifndef DCM_JKR_H
 #define DCM_JKR_H
 
-#include "dcm_vector.h"
+#include "vector.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 // Contact of two triangles of cell surfaces, or of a triangle and a sphere (S1 "Contact model").
 // Each triangle stands for its circumscribing sphere; the stress of the contact of the two spheres
-// (law: dcm_maugis.h or dcm_dmt.h) is integrated over the common part of the two triangles,
+// (law: maugis.h or dmt.h) is integrated over the common part of the two triangles,
 // projected along the axis u through the sphere centers. All forces are parallel to u and are
 // spread with barycentric weights in that projection: they balance, and so do their torques.
 //
@@ -13,11 +13,11 @@
 #ifndef DCM_CONTACT_H
 #define DCM_CONTACT_H
 
-#include "dcm_contact_law.h"
-#include "dcm_dmt.h"
-#include "dcm_maugis.h"
-#include "dcm_overlap.h"
-#include "dcm_radial_integral.h"
+#include "contact_law.h"
+#include "dmt.h"
+#include "maugis.h"
+#include "overlap.h"
+#include "radial_integral.h"
 
 namespace dcm {
 
@@ -52,7 +52,7 @@ struct ContactResult {
   }
 };
 
-/// Face from its vertices and the radius of its sphere (dcm_curvature.h), R < 0 for concave.
+/// Face from its vertices and the radius of its sphere (curvature.h), R < 0 for concave.
 /// The sphere passes through the three vertices. Where it cannot (|R| near or below the
 /// circumradius, as for slivers), |R| is raised and the center pulled to the normal through the
 /// middle of the triangle, continuously, so that the result is always finite.

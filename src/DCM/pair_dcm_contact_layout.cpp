@@ -1,0 +1,306 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+// pair style dcm/contact: what the neighbor list is laid out for, exclusions and ghost cutoff;
+// restart files, which keep it
+
+#include "pair_dcm_contact.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_compat.h"
+#include "error.h"
+#include "fix_neigh_history.h"
+#include "modify.h"
+#include "neigh_request.h"
+#include "neighbor.h"
+#include "utils.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using dcm::vec;
+using dcm::Vec3;
+
+static const std::string STYLE = "Pair style dcm/contact";
+
+// the mesh of faces that no run has seen yet may be twice as coarse as was guessed
+
+static constexpr double COARSE = 2.0;
+
+/* ----------------------------------------------------------------------
+   mean edge and largest face per type at the start of a run, at a time when no ghosts exist yet:
+   vertices that other ranks own are asked from all
+------------------------------------------------------------------------- */
+
+void PairDCMContact::measure_mesh()
+{
+  mean_edge = 0.0;
+  if (!have_faces) return;
+  const int nlocal = atom->nlocal;
+
+  std::vector<tagint> mine;
+  auto owned = [&](tagint tag) {
+    const int j = tag > atom->map_tag_max ? -1 : atom->map(tag);    // map() does not check
+    return j >= 0 && j < nlocal ? j : -1;
+  };
+  for (int i = 0; i < nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::FACE) continue;
+    for (int k = 0; k < 3; k++) {
+      const tagint tag = atom->tag[i] + dcm->vertex[i][k];
+      if (owned(tag) < 0) mine.push_back(tag);
+    }
+  }
+  const int n = (int) mine.size();
+  std::vector<int> counts(comm->nprocs), offsets(comm->nprocs, 0);
+  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
+  for (int p = 1; p < comm->nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
+  std::vector<tagint> asked(offsets.back() + counts.back());
+  MPI_Allgatherv(mine.data(), n, MPI_LMP_TAGINT, asked.data(), counts.data(), offsets.data(),
+                 MPI_LMP_TAGINT, world);
+  std::vector<double> answer(3 * asked.size(), 0.0);
+  for (size_t m = 0; m < asked.size(); m++) {
+    const int j = owned(asked[m]);
+    if (j >= 0) vec(&answer[3 * m]) = vec(atom->x[j]);
+  }
+  if (!answer.empty())
+    MPI_Allreduce(MPI_IN_PLACE, answer.data(), (int) answer.size(), MPI_DOUBLE, MPI_SUM, world);
+
+  std::vector<double> largest(atom->ntypes + 1, 0.0);
+  double sums[2] = {0.0, 0.0};
+  const double *next = answer.data() + 3 * (size_t) offsets[comm->me];
+  for (int i = 0; i < nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::FACE) continue;
+    Vec3 v[3];
+    for (int k = 0; k < 3; k++) {
+      const int j = owned(atom->tag[i] + dcm->vertex[i][k]);
+      if (j >= 0) {
+        v[k] = vec(atom->x[j]);
+      } else {
+        v[k] = vec(next);
+        next += 3;
+      }
+      if (k == 0) continue;
+      Vec3 d = v[k] - v[0];
+      dcm_minimum_image(domain, d[0], d[1], d[2]);
+      v[k] = v[0] + d;
+    }
+    const Vec3 mid = (v[0] + v[1] + v[2]) / 3.0;
+    for (int k = 0; k < 3; k++) {
+      largest[atom->type[i]] = std::max(largest[atom->type[i]], (v[k] - mid).norm());
+      sums[0] += (v[(k + 1) % 3] - v[k]).norm();
+      sums[1] += 1.0;
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), atom->ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
+  mean_edge = sums[0] / sums[1];
+
+  for (int t = 1; t <= atom->ntypes; t++)
+    if (types[t].kind == AtomVecDCM::FACE) types[t].radius = largest[t];
+}
+
+/* ----------------------------------------------------------------------
+   the largest radius of each type that the list can hold, and with it bins,
+   ghost cutoff and the order of sums: chosen in the first run and kept, also
+   over restarts, so that these change nothing while cells grow. Larger only
+   if what is there does not fit, or if cells did not grow before.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::lay_out()
+{
+  const int ntypes = atom->ntypes;
+  const bool growing = has_fix({"growth", "division", "cycle"});
+  const double face = set.growth > 0.0 ? set.growth : FACE_GROWTH;
+  const double sphere = set.growth > 0.0 ? set.growth : growing ? SPHERE_GROWTH : 1.0;
+  const double half = 0.5 * range_used;
+  const bool begins = sphere > sphere_growth;
+  sphere_growth = std::max(sphere, sphere_growth);
+  laid_out.resize(ntypes + 1, 0.0);
+
+  auto prepare = [&](int t, double now, double later, bool grows) {
+    if (now <= laid_out[t] && !(grows && later > laid_out[t])) return;
+    if (laid_out[t] > 0.0 && comm->me == 0)
+      utils::logmesg(lmp,
+                     "{}: radii of atom type {} up to {:.6g}, neighbor list laid out for {:.6g}"
+                     " (before {:.6g})\n",
+                     STYLE, t, now, later, laid_out[t]);
+    laid_out[t] = later;
+  };
+  double face_max = 0.0, largest = 0.0;
+  for (int t = 1; t <= ntypes; t++) {
+    TypeInfo &info = types[t];
+    if (info.kind == AtomVecDCM::FACE) {
+      prepare(t, info.radius + half, face * info.radius + half, false);
+      face_max = std::max(face_max, info.radius);
+    } else if (info.kind == AtomVecDCM::SPHERE) {
+      prepare(t, info.radius, sphere * info.radius, begins);
+    } else {
+      continue;
+    }
+    info.promise = laid_out[t];
+    largest = std::max(largest, info.promise);
+  }
+
+  // types without atoms: whatever the others hold; if cells change their kind, also a sphere as
+  // large as a deformable cell
+
+  for (int t = 1; t <= ntypes; t++) {
+    TypeInfo &info = types[t];
+    if (!info.active || info.kind) continue;
+    info.promise = largest;
+    if (!expect_new) continue;
+    const double room = std::max(largest, sphere * cell_radius) + half;
+    prepare(t, std::max(largest, cell_radius), room, false);
+    info.promise = laid_out[t];
+  }
+
+  if (bin_edge == 0.0 || face_max > face_reach) bin_edge = mean_edge;
+  if (expect_faces && !have_faces && face_reach == 0.0)
+    face_reach = face * COARSE * mean_edge / std::sqrt(3.0);
+  if (face_max > face_reach) face_reach = face * face_max;
+}
+
+/* ----------------------------------------------------------------------
+   restart files keep the settings, the lengths derived from the mesh, and
+   what the list is laid out for; cell types come again from pair_coeff
+------------------------------------------------------------------------- */
+
+void PairDCMContact::write_restart(FILE *fp)
+{
+  fwrite(&set, sizeof(Settings), 1, fp);
+  for (double *value : kept()) fwrite(value, sizeof(double), 1, fp);
+  laid_out.resize(atom->ntypes + 1, 0.0);
+  fwrite(laid_out.data(), sizeof(double), laid_out.size(), fp);
+}
+
+void PairDCMContact::read_restart(FILE *fp)
+{
+  laid_out.assign(atom->ntypes + 1, 0.0);
+  if (comm->me == 0) {
+    utils::sfread(FLERR, &set, sizeof(Settings), 1, fp, nullptr, error);
+    for (double *value : kept()) utils::sfread(FLERR, value, sizeof(double), 1, fp, nullptr, error);
+    utils::sfread(FLERR, laid_out.data(), sizeof(double), laid_out.size(), fp, nullptr, error);
+  }
+  MPI_Bcast(&set, sizeof(Settings), MPI_BYTE, 0, world);
+  for (double *value : kept()) MPI_Bcast(value, 1, MPI_DOUBLE, 0, world);
+  MPI_Bcast(laid_out.data(), (int) laid_out.size(), MPI_DOUBLE, 0, world);
+}
+
+std::vector<double *> PairDCMContact::kept()
+{
+  return {&h0_used, &range_used, &own_cutoff, &bin_edge, &face_reach, &sphere_growth, &guessed};
+}
+
+/* ----------------------------------------------------------------------
+   keep what never touches out of the neighbor list
+------------------------------------------------------------------------- */
+
+void PairDCMContact::exclude_types()
+{
+  const bool tracers = !modify->get_fix_by_style("^dcm/tracer").empty();
+  auto meets = [&](const TypeInfo &a, const TypeInfo &b) {
+    if (a.active && b.active) return true;
+    if (!tracers) return false;
+    return (a.kind == AtomVecDCM::TRACER && (b.kind == AtomVecDCM::FACE || b.kind == 0)) ||
+           (b.kind == AtomVecDCM::TRACER && (a.kind == AtomVecDCM::FACE || a.kind == 0));
+  };
+
+  std::vector<std::pair<int, int>> now;
+  for (int n = 0; n < neighbor->nex_type; n++)
+    now.emplace_back(std::minmax(neighbor->ex1_type[n], neighbor->ex2_type[n]));
+  for (int s = 1; s <= atom->ntypes; s++)
+    for (int t = s; t <= atom->ntypes; t++) {
+      const bool excluded = std::find(now.begin(), now.end(), std::make_pair(s, t)) != now.end();
+      const bool wanted = meets(types[s], types[t]);
+      if (excluded && wanted)
+        error->all(FLERR,
+                   "{}: types {} and {} are to interact but excluded from the neighbor list; add "
+                   "'neigh_modify exclude none' before the run",
+                   STYLE, s, t);
+      if (!excluded && !wanted) neighbor->modify_params(fmt::format("exclude type {} {}", s, t));
+    }
+
+  bool molecules = false;
+  for (int n = 0; n < neighbor->nex_mol; n++)
+    if (neighbor->ex_mol_group[n] == 0 && neighbor->ex_mol_intra[n]) molecules = true;
+  if (!molecules && expect_faces) neighbor->modify_params("exclude molecule/intra all");
+}
+
+/* ----------------------------------------------------------------------
+   ghosts must reach as far as the list plus the vertices of the last face in
+   it. A deck that sets no cutoff gets this one.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::set_cutoff()
+{
+  double pair = 0.0;
+  for (const auto &info : types)
+    if (info.active) pair = std::max(pair, 2.0 * info.promise);
+  const double need = round_up(pair + neighbor->skin + face_reach);
+  const double before = own_cutoff;
+  own_cutoff = need;
+  if (!expect_faces || comm->mode != Comm::SINGLE) return;
+
+  // 0: not set by the deck; equal: set here in an earlier run
+
+  if (comm->cutghostuser == 0.0 || comm->cutghostuser == before) {
+    comm->cutghostuser = need;
+    if (comm->me == 0 && need != before)
+      utils::logmesg(lmp, "{}: ghost cutoff set to {:.6g}\n", STYLE, need);
+  } else if (comm->cutghostuser < need) {
+    error->all(FLERR,
+               "{}: the ghost cutoff {:.6g} is too small, some faces would miss their vertices; "
+               "set 'comm_modify cutoff {:.6g}' or remove that command",
+               STYLE, comm->cutghostuser, need);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   who has touched whom: spheres always, faces only with branch history
+------------------------------------------------------------------------- */
+
+void PairDCMContact::setup_history()
+{
+  use_history = expect_spheres || set.history;
+  if (use_history && comm->style == Comm::TILED)
+    error->all(
+        FLERR,
+        "{}: contact history of {} works with 'comm_style brick' only (fix NEIGH_HISTORY of "
+        "LAMMPS cannot communicate in tiled style); use brick, with 'fix balance shift' if ranks "
+        "need balancing",
+        STYLE, expect_spheres ? "spheres" : "branch history");
+  neighbor->add_request(this, use_history ? NeighConst::REQ_SIZE | NeighConst::REQ_HISTORY
+                                          : NeighConst::REQ_SIZE);
+  if (use_history && !fix_history) {
+    fix_history = dynamic_cast<FixNeighHistory *>(
+        modify->replace_fix("NEIGH_HISTORY_DCM_DUMMY", "NEIGH_HISTORY_DCM all NEIGH_HISTORY 1", 1));
+    fix_history->pair = this;
+  }
+}
+
+/* ----------------------------------------------------------------------
+   types that never interact with others get a small length of their own, for
+   the bins of neighbor style multi (0 would make one bin of the box)
+------------------------------------------------------------------------- */
+
+double PairDCMContact::init_one(int i, int j)
+{
+  if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
+  if (types[i].active && types[j].active) return types[i].promise + types[j].promise;
+  const bool tracer_face =
+      (types[i].kind == AtomVecDCM::TRACER && types[j].kind == AtomVecDCM::FACE) ||
+      (types[j].kind == AtomVecDCM::TRACER && types[i].kind == AtomVecDCM::FACE);
+  if (tracer_face && !modify->get_fix_by_style("^dcm/tracer").empty())
+    return types[i].promise + types[j].promise;
+  return i == j ? bin_edge : 0.0;
+}
