@@ -16,6 +16,7 @@
 #include "dcm_compat.h"
 #include "law/cortex.h"
 #include "dcm_parameters.h"
+#include "dcm_unknowns.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
@@ -115,6 +116,40 @@ void BondDCMCortex::match_slots()
                STYLE, nbondlist - n, nbondlist, update->ntimestep);
   lastcall = neighbor->lastcall;
   lastncalls = neighbor->ncalls;
+}
+
+/* ----------------------------------------------------------------------
+   isotropic dashpots do not change until the next rebuild, projected ones turn with their edge
+------------------------------------------------------------------------- */
+
+void BondDCMCortex::list_friction(dcm::FrictionSystem &system, DCMUnknowns &unknowns)
+{
+  projected_edges.clear();
+  int **bondlist = neighbor->bondlist;
+  for (int n = 0; n < neighbor->nbondlist; n++) {
+    const Coef &coef = coefs[bondlist[n][2]];
+    if (coef.gamma == 0.0) continue;
+    const int i = unknowns(bondlist[n][0]), j = unknowns(bondlist[n][1]);
+    if (i == j) continue;    // both fixed
+    if (coef.projected)
+      projected_edges.push_back(n);
+    else
+      system.iso_edges.push_back({i, j, coef.gamma});
+  }
+}
+
+void BondDCMCortex::add_friction(dcm::FrictionSystem &system, DCMUnknowns &unknowns)
+{
+  double **x = atom->x;
+  int **bondlist = neighbor->bondlist;
+  for (const int n : projected_edges) {
+    const int i = bondlist[n][0], j = bondlist[n][1];
+    const double dx = x[j][0] - x[i][0], dy = x[j][1] - x[i][1], dz = x[j][2] - x[i][2];
+    const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
+    if (r == 0.0) continue;
+    system.edges.push_back(
+        {unknowns(i), unknowns(j), 0.0, coefs[bondlist[n][2]].gamma, {dx / r, dy / r, dz / r}});
+  }
 }
 
 /* ---------------------------------------------------------------------- */

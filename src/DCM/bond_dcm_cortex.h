@@ -18,6 +18,7 @@ BondStyle(dcm/cortex,BondDCMCortex);
 #define LMP_BOND_DCM_CORTEX_H
 
 #include "bond.h"
+#include "dcm_role.h"
 
 #include <string>
 #include <vector>
@@ -26,10 +27,10 @@ namespace LAMMPS_NS {
 
 // Elastic part of the cortex edges (S1 eqs 1-3). Every bond has its own rest length, the state
 // DCMAtoms::l0 of its slot, which others may change at any time; a bond without one takes its
-// length at the first step that sees it. The dashpot belongs to the friction system of
-// fix dcm/motion, which asks for it here.
+// length at the first step that sees it. The dashpot is a contribution to the friction system of
+// fix dcm/motion.
 
-class BondDCMCortex : public Bond {
+class BondDCMCortex : public Bond, public DCMRole {
  public:
   BondDCMCortex(class LAMMPS *);
   ~BondDCMCortex() override;
@@ -43,9 +44,10 @@ class BondDCMCortex : public Bond {
   double single(int, double, int, int, double &) override;
   double memory_usage() override;
 
-  double stiffness(int type) const { return coefs[type].ks; }         // force/length
-  double gamma(int type) const { return coefs[type].gamma; }          // force time/length
-  bool projected(int type) const { return coefs[type].projected; }    // dashpot along the edge only
+  double stiffness(int type) const { return coefs[type].ks; }    // force/length
+
+  void list_friction(dcm::FrictionSystem &, class DCMUnknowns &) override;
+  void add_friction(dcm::FrictionSystem &, class DCMUnknowns &) override;
 
  private:
   struct Coef {
@@ -58,7 +60,8 @@ class BondDCMCortex : public Bond {
   std::vector<Coef> coefs;    // [1..nbondtypes]
 
   struct DCMAtoms *data;
-  std::vector<int> slot;    // per entry of neighbor->bondlist: slot of its first atom
+  std::vector<int> projected_edges;    // indices into neighbor->bondlist
+  std::vector<int> slot;               // per entry of neighbor->bondlist: slot of its first atom
   bigint lastcall, lastncalls;
 
   void allocate();

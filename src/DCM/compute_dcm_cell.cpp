@@ -12,17 +12,14 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "dcm_gather.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
-#include "fix_dcm_growth.h"
 #include "force.h"
 #include "math_const.h"
 #include "memory.h"
 #include "modify.h"
 #include "pair_dcm_contact.h"
 #include "update.h"
-#include "utils.h"
 
 #include <algorithm>
 
@@ -31,35 +28,51 @@ using MathConst::MY_4PI;
 
 static const std::string STYLE = "Compute dcm/cell";
 
-// as enum Value
-
-static const std::vector<std::string> NAMES = {
-    "volume",   "volume0", "area",       "pressure",     "x",         "y",         "z",
-    "vx",       "vy",      "vz",         "contact_area", "free_area", "neighbors", "kind",
-    "molecule", "mother",  "generation", "birth",        "phase",     "progress"};
-
 static constexpr int NSUM = 5;    // per deformable cell: contact area, free area, velocity
+
+// what is printed for a deformable and for a center-based cell
+
+// clang-format off
+const std::vector<ComputeDCMCell::Value> ComputeDCMCell::VALUES = {
+    {"volume", &ComputeDCMCell::volume, &ComputeDCMCell::volume_of_sphere, NOTHING},
+    {"volume0", &ComputeDCMCell::volume0, &ComputeDCMCell::volume_of_sphere, NOTHING},
+    {"area", &ComputeDCMCell::area, &ComputeDCMCell::area_of_sphere, NOTHING},
+    {"pressure", &ComputeDCMCell::pressure, &ComputeDCMCell::pressure_of_sphere, NOTHING},
+    {"x", &ComputeDCMCell::center<0>, &ComputeDCMCell::atom_x<0>, NOTHING},
+    {"y", &ComputeDCMCell::center<1>, &ComputeDCMCell::atom_x<1>, NOTHING},
+    {"z", &ComputeDCMCell::center<2>, &ComputeDCMCell::atom_x<2>, NOTHING},
+    {"vx", &ComputeDCMCell::summed<2>, &ComputeDCMCell::atom_v<0>, VELOCITY},
+    {"vy", &ComputeDCMCell::summed<3>, &ComputeDCMCell::atom_v<1>, VELOCITY},
+    {"vz", &ComputeDCMCell::summed<4>, &ComputeDCMCell::atom_v<2>, VELOCITY},
+    {"contact_area", &ComputeDCMCell::summed<0>, &ComputeDCMCell::contact_area_of_sphere, AREA},
+    {"free_area", &ComputeDCMCell::summed<1>, &ComputeDCMCell::free_area_of_sphere, AREA},
+    {"neighbors", &ComputeDCMCell::neighbors, &ComputeDCMCell::neighbors, NEIGHBORS},
+    {"kind", &ComputeDCMCell::kind, &ComputeDCMCell::kind, NOTHING},
+    {"molecule", &ComputeDCMCell::molecule, &ComputeDCMCell::molecule, NOTHING},
+    {"mother", &ComputeDCMCell::mother, &ComputeDCMCell::mother, NOTHING},
+    {"generation", &ComputeDCMCell::generation, &ComputeDCMCell::generation, NOTHING},
+    {"birth", &ComputeDCMCell::birth, &ComputeDCMCell::birth, NOTHING},
+    {"phase", &ComputeDCMCell::phase, &ComputeDCMCell::phase, NOTHING}};
+// clang-format on
+
+static const std::vector<std::string> OF_TABLE = {"mother", "generation", "birth", "phase"};
 
 /* ----------------------------------------------------------------------
    compute ID group dcm/cell value1 value2 ...
 ------------------------------------------------------------------------- */
 
 ComputeDCMCell::ComputeDCMCell(LAMMPS *lmp, int narg, char **arg) :
-    Compute(lmp, narg, arg), want_velocity(false), want_area(false), want_neighbors(false), nmax(0),
-    dcm(nullptr), cell(nullptr), contact(nullptr), growth(nullptr), has_volume(false)
+    Compute(lmp, narg, arg), needs(NOTHING), nmax(0), dcm(nullptr), cell(nullptr), contact(nullptr)
 {
   AtomVecDCM::require(lmp, STYLE);
-  const std::string known = utils::join_words(NAMES, " ");
-  if (narg < 4) error->all(FLERR, "{}: no values given; known: {}", STYLE, known);
+  if (narg < 4) error->all(FLERR, "{}: no values given; known: {}", STYLE, known());
   for (int iarg = 3; iarg < narg; iarg++) {
-    const auto found = std::find(NAMES.begin(), NAMES.end(), arg[iarg]);
-    if (found == NAMES.end())
-      error->all(FLERR, "{}: unknown value {}; known: {}", STYLE, arg[iarg], known);
-    const int value = (int) (found - NAMES.begin());
-    columns.push_back(value);
-    if (value == VX || value == VY || value == VZ) want_velocity = true;
-    if (value == CONTACT_AREA || value == FREE_AREA) want_area = true;
-    if (value == NEIGHBORS) want_neighbors = true;
+    Column column;
+    column.name = arg[iarg];
+    for (const auto &value : VALUES)
+      if (column.name == value.name) column.value = &value;
+    if (column.value) needs |= column.value->needs;
+    columns.push_back(column);
   }
 
   peratom_flag = 1;
@@ -77,9 +90,19 @@ ComputeDCMCell::~ComputeDCMCell()
   delete[] vector;
 }
 
+std::string ComputeDCMCell::known() const
+{
+  std::string names;
+  for (const auto &value : VALUES) names += std::string(names.empty() ? "" : " ") + value.name;
+  const auto found = modify->get_fix_by_style("^dcm/cell$");
+  if (!found.empty())
+    for (const auto &name : dynamic_cast<FixDCMCell *>(found[0])->cells().column_names())
+      names += " " + name;
+  return names;
+}
+
 /* ----------------------------------------------------------------------
-   ask for what the pair style records on request only; it forgets at every
-   start of a run
+   ask for what others record on request only
 ------------------------------------------------------------------------- */
 
 void ComputeDCMCell::init()
@@ -89,25 +112,38 @@ void ComputeDCMCell::init()
   for (int i = 0; i < atom->nlocal; i++)
     if (dcm->kind[i] == AtomVecDCM::CENTER) any = 1;
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
+  bool from_table = false;
+  for (const auto &column : columns)
+    if (!column.value || std::find(OF_TABLE.begin(), OF_TABLE.end(), column.name) != OF_TABLE.end())
+      from_table = true;
   cell = nullptr;
-  if (any || !modify->get_fix_by_style("^dcm/cell$").empty())
+  if (any || from_table || !modify->get_fix_by_style("^dcm/cell$").empty())
     cell = FixDCMCell::require(lmp, STYLE);
-  has_volume = !modify->get_fix_by_style("^dcm/volume$").empty();
-
-  growth = nullptr;
-  for (int value : columns)
-    if (value >= MOTHER)
-      growth = FixDCMGrowth::require(lmp, fmt::format("{}: value {}", STYLE, NAMES[value]));
+  spheres = from_table ? cell->request_spheres() : DCMRequest<>();
 
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   if (contact) {
-    contact->request_virial();
-    if (want_neighbors) contact->request_partners();
+    virial = contact->request_virial();
+    if (needs & NEIGHBORS) partners = contact->request_partners();
   }
-  for (int value : columns)
-    if (!contact && (value == CONTACT_AREA || value == FREE_AREA || value == NEIGHBORS))
+  for (const auto &column : columns)
+    if (!contact && column.value && (column.value->needs & (AREA | NEIGHBORS)))
       error->all(FLERR, "{}: value {} needs pair_style dcm/contact; add it or remove the value",
-                 STYLE, NAMES[value]);
+                 STYLE, column.name);
+}
+
+/* ----------------------------------------------------------------------
+   columns of the table are there when all fixes have been initialized
+------------------------------------------------------------------------- */
+
+void ComputeDCMCell::setup()
+{
+  for (auto &column : columns) {
+    if (column.value) continue;
+    column.table = cell->cells().column(column.name, column.field);
+    if (!column.table)
+      error->all(FLERR, "{}: unknown value {}; known: {}", STYLE, column.name, known());
+  }
 }
 
 /* ----------------------------------------------------------------------
@@ -116,7 +152,7 @@ void ComputeDCMCell::init()
 
 void ComputeDCMCell::check_current() const
 {
-  if (cell && (int) cell->cell_of.size() < atom->nlocal)
+  if (cell && !cell->knows(atom->nlocal))
     error->one(FLERR, "{}: atoms were added since the last step; do a 'run 0' before using it",
                STYLE);
 }
@@ -128,25 +164,26 @@ void ComputeDCMCell::check_current() const
 
 void ComputeDCMCell::sum_cells()
 {
-  cell_sums.assign(NSUM * cell->cells.size(), 0.0);
-  if (want_area) {
+  const auto &table = cell->cells();
+  cell_sums.assign(NSUM * table.size(), 0.0);
+  if (needs & AREA) {
     const double *const covered = contact->contact_area();
-    for (int f = 0; f < cell->nowned; f++) {
-      const auto &face = cell->faces[f];
+    for (int f = 0; f < cell->nowned(); f++) {
+      const auto &face = cell->faces()[f];
       double *const sums = &cell_sums[NSUM * (size_t) face.cell];
       sums[0] += covered[face.atom];
-      sums[1] += std::max(0.0, cell->area[f] - covered[face.atom]);
+      sums[1] += std::max(0.0, cell->area(f) - covered[face.atom]);
     }
   }
-  if (want_velocity) {
+  if (needs & VELOCITY) {
     for (int i = 0; i < atom->nlocal; i++) {
       if (dcm->kind[i] != AtomVecDCM::NODE) continue;
-      const int c = cell->cell_of[i];
+      const int c = cell->cell_of(i);
       double *const sums = &cell_sums[NSUM * (size_t) c];
-      for (int k = 0; k < 3; k++) sums[2 + k] += atom->v[i][k] / cell->cells[c].nnodes;
+      for (int k = 0; k < 3; k++) sums[2 + k] += atom->v[i][k] / table[c].nnodes;
     }
   }
-  cell->sum(cell_sums);
+  cell->sum(cell_sums, NSUM);
 }
 
 /* ----------------------------------------------------------------------
@@ -155,21 +192,13 @@ void ComputeDCMCell::sum_cells()
 
 void ComputeDCMCell::gather_contacts()
 {
-  std::vector<tagint> mine;
+  in_contact.clear();
   for (const auto &pair : contact->partners()) {
     if (!(pair.area > 0.0)) continue;
-    mine.push_back(pair.molecule);
-    mine.push_back(pair.other);
-  }
-  const auto all = dcm_allgather(mine, world);
-
-  in_contact.clear();
-  for (size_t m = 0; m < all.size(); m += 2) {
-    in_contact.emplace_back(all[m], all[m + 1]);
-    in_contact.emplace_back(all[m + 1], all[m]);
+    in_contact.emplace_back(pair.molecule, pair.other);
+    in_contact.emplace_back(pair.other, pair.molecule);
   }
   std::sort(in_contact.begin(), in_contact.end());
-  in_contact.erase(std::unique(in_contact.begin(), in_contact.end()), in_contact.end());
 }
 
 double ComputeDCMCell::neighbors_of(tagint molecule) const
@@ -197,104 +226,108 @@ double ComputeDCMCell::sphere_pressure(int i) const
 }
 
 /* ----------------------------------------------------------------------
-   one value of a cell from the book of fix dcm/growth; 0 for a cell that is not in it
+   one value of the cell whose center or sphere is atom i and that stands in a row of the table
+   (-1: a sphere that is not in it)
 ------------------------------------------------------------------------- */
 
-double ComputeDCMCell::cycle_value(tagint molecule, int value) const
+template <int FIELD> double ComputeDCMCell::summed(int, int row) const
 {
-  const auto *const it = growth->find(molecule);
-  if (!it) return 0.0;
-  switch (value) {
-    case MOTHER:
-      return (double) it->mother;
-    case GENERATION:
-      return it->generation;
-    case BIRTH:
-      return it->birth;
-    case PHASE:
-      return it->phase;
-    default:
-      return it->progress;
-  }
+  return cell_sums[NSUM * (size_t) row + FIELD];
 }
 
-/* ----------------------------------------------------------------------
-   one value of the deformable cell whose center is atom i
-------------------------------------------------------------------------- */
-
-double ComputeDCMCell::cell_value(int i, int value) const
+template <int K> double ComputeDCMCell::center(int, int row) const
 {
-  const int c = cell->cell_of[i];
-  const FixDCMCell::Cell &it = cell->cells[c];
-  const double *const sums = cell_sums.data() + NSUM * (size_t) c;
-  switch (value) {
-    case VOLUME:
-      return it.volume;
-    case VOLUME0:
-      return it.volume0;
-    case AREA:
-      return it.area;
-    case PRESSURE:
-      return has_volume ? it.pressure : 0.0;
-    case X:
-    case Y:
-    case Z:
-      return it.x[value - X];
-    case VX:
-    case VY:
-    case VZ:
-      return sums[2 + value - VX];
-    case CONTACT_AREA:
-      return sums[0];
-    case FREE_AREA:
-      return sums[1];
-    case NEIGHBORS:
-      return neighbors_of(it.molecule);
-    case KIND:
-      return dcm->kind[i];
-    case MOLECULE:
-      return (double) it.molecule;
-    default:
-      return cycle_value(it.molecule, value);
-  }
+  return cell->cells()[row].x[K];
 }
 
-/* ----------------------------------------------------------------------
-   one value of the center-based cell that is atom i
-------------------------------------------------------------------------- */
-
-double ComputeDCMCell::sphere_value(int i, int value) const
+template <int K> double ComputeDCMCell::atom_x(int i, int) const
 {
-  const double r = atom->radius[i];
-  switch (value) {
-    case VOLUME:
-    case VOLUME0:
-      return sphere_volume(i);
-    case AREA:
-      return MY_4PI * r * r;
-    case PRESSURE:
-      return sphere_pressure(i);
-    case X:
-    case Y:
-    case Z:
-      return atom->x[i][value - X];
-    case VX:
-    case VY:
-    case VZ:
-      return atom->v[i][value - VX];
-    case CONTACT_AREA:
-      return contact->contact_area()[i];
-    case FREE_AREA:
-      return std::max(0.0, MY_4PI * r * r - contact->contact_area()[i]);
-    case NEIGHBORS:
-      return neighbors_of(atom->molecule[i]);
-    case KIND:
-      return dcm->kind[i];
-    case MOLECULE:
-      return (double) atom->molecule[i];
-    default:
-      return cycle_value(atom->molecule[i], value);
-  }
+  return atom->x[i][K];
+}
+
+template <int K> double ComputeDCMCell::atom_v(int i, int) const
+{
+  return atom->v[i][K];
+}
+
+double ComputeDCMCell::volume(int, int row) const
+{
+  return cell->cells()[row].volume;
+}
+
+double ComputeDCMCell::volume0(int, int row) const
+{
+  return cell->cells()[row].volume0;
+}
+
+double ComputeDCMCell::area(int, int row) const
+{
+  return cell->cells()[row].area;
+}
+
+double ComputeDCMCell::pressure(int, int row) const
+{
+  return cell->cells().value("pressure", row);
+}
+
+double ComputeDCMCell::kind(int i, int) const
+{
+  return dcm->kind[i];
+}
+
+double ComputeDCMCell::molecule(int i, int) const
+{
+  return (double) atom->molecule[i];
+}
+
+double ComputeDCMCell::neighbors(int i, int) const
+{
+  return neighbors_of(atom->molecule[i]);
+}
+
+double ComputeDCMCell::volume_of_sphere(int i, int) const
+{
+  return sphere_volume(i);
+}
+
+double ComputeDCMCell::area_of_sphere(int i, int) const
+{
+  return MY_4PI * atom->radius[i] * atom->radius[i];
+}
+
+double ComputeDCMCell::pressure_of_sphere(int i, int) const
+{
+  return sphere_pressure(i);
+}
+
+double ComputeDCMCell::contact_area_of_sphere(int i, int) const
+{
+  return contact->contact_area()[i];
+}
+
+double ComputeDCMCell::free_area_of_sphere(int i, int row) const
+{
+  return std::max(0.0, area_of_sphere(i, row) - contact->contact_area()[i]);
+}
+
+double ComputeDCMCell::mother(int, int row) const
+{
+  return row < 0 ? 0.0 : (double) cell->cells()[row].mother;
+}
+
+double ComputeDCMCell::generation(int, int row) const
+{
+  return row < 0 ? 0.0 : cell->cells()[row].generation;
+}
+
+double ComputeDCMCell::birth(int, int row) const
+{
+  return row < 0 ? 0.0 : cell->cells()[row].birth;
+}
+
+double ComputeDCMCell::phase(int, int row) const
+{
+  return row < 0 ? 0.0 : cell->cells()[row].phase;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -314,18 +347,23 @@ void ComputeDCMCell::compute_peratom()
       memory->create(array_atom, nmax, ncolumns, "dcm/cell:array_atom");
   }
 
-  if (cell && (want_area || want_velocity)) sum_cells();
-  if (want_neighbors) gather_contacts();
+  if (cell && (needs & (AREA | VELOCITY))) sum_cells();
+  if (needs & NEIGHBORS) gather_contacts();
 
   for (int i = 0; i < atom->nlocal; i++) {
-    double *const row = ncolumns == 1 ? &vector_atom[i] : array_atom[i];
-    const bool inside = atom->mask[i] & groupbit;
-    if (inside && dcm->kind[i] == AtomVecDCM::CENTER)
-      for (int k = 0; k < ncolumns; k++) row[k] = cell_value(i, columns[k]);
-    else if (inside && dcm->kind[i] == AtomVecDCM::SPHERE)
-      for (int k = 0; k < ncolumns; k++) row[k] = sphere_value(i, columns[k]);
-    else
-      std::fill_n(row, ncolumns, 0.0);
+    double *const to = ncolumns == 1 ? &vector_atom[i] : array_atom[i];
+    std::fill_n(to, ncolumns, 0.0);
+    const bool deformable = dcm->kind[i] == AtomVecDCM::CENTER;
+    if (!(atom->mask[i] & groupbit) || (!deformable && dcm->kind[i] != AtomVecDCM::SPHERE))
+      continue;
+    const int row = cell ? cell->cell_of(i) : -1;
+    for (int k = 0; k < ncolumns; k++) {
+      const Column &column = columns[k];
+      if (column.value)
+        to[k] = (this->*(deformable ? column.value->deformable : column.value->sphere))(i, row);
+      else if (row >= 0)
+        to[k] = (*column.table)(row, column.field);
+    }
   }
 }
 
@@ -341,9 +379,11 @@ void ComputeDCMCell::compute_vector()
 
   double ndcm = 0.0, sum = 0.0, highest = 0.0, volume = 0.0;
   if (cell) {
-    for (const auto &it : cell->cells) {
+    const auto &table = cell->cells();
+    for (const int c : table.all_deformable()) {
+      const auto &it = table[c];
       if (!(it.mask & groupbit)) continue;
-      const double p = has_volume ? it.pressure : 0.0;
+      const double p = table.value("pressure", c);
       highest = ndcm > 0.0 ? std::max(highest, p) : p;
       ndcm += 1.0;
       sum += p;

@@ -18,71 +18,88 @@ ComputeStyle(dcm/cell,ComputeDCMCell);
 #define LMP_COMPUTE_DCM_CELL_H
 
 #include "compute.h"
+#include "dcm_cell_table.h"
+#include "dcm_request.h"
 
+#include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace LAMMPS_NS {
 
 // Values of whole cells, stored with the atom that stands for the cell: the center of a deformable
-// cell, the sphere of a center-based cell. Other atoms have 0. Doc page compute_dcm_cell.
+// cell, the sphere of a center-based cell. Other atoms have 0. Besides its own values any column of
+// the table of cells, by the name its style has given it. Doc page compute_dcm_cell.
 
 class ComputeDCMCell : public Compute {
  public:
   ComputeDCMCell(class LAMMPS *, int, char **);
   ~ComputeDCMCell() override;
   void init() override;
+  void setup() override;
   void compute_peratom() override;
   void compute_vector() override;
   double memory_usage() override;
 
  private:
-  // in the order of their names
-  enum Value {
-    VOLUME,
-    VOLUME0,
-    AREA,
-    PRESSURE,
-    X,
-    Y,
-    Z,
-    VX,
-    VY,
-    VZ,
-    CONTACT_AREA,
-    FREE_AREA,
-    NEIGHBORS,
-    KIND,
-    MOLECULE,
-    MOTHER,
-    GENERATION,
-    BIRTH,
-    PHASE,
-    PROGRESS
-  };
+  enum Need { NOTHING = 0, VELOCITY = 1, AREA = 2, NEIGHBORS = 4 };
 
-  std::vector<int> columns;    // a Value each
-  bool want_velocity, want_area, want_neighbors;
+  struct Value {    // what this compute knows of a cell besides the columns of the table
+    const char *name;
+    double (ComputeDCMCell::*deformable)(int i, int row) const;
+    double (ComputeDCMCell::*sphere)(int i, int row) const;
+    unsigned needs;
+  };
+  static const std::vector<Value> VALUES;
+
+  struct Column {    // of the output: one of VALUES or a number of a column of the table
+    std::string name;
+    const Value *value = nullptr;
+    std::shared_ptr<const DCMColumn> table;
+    int field = 0;
+  };
+  std::vector<Column> columns;
+  unsigned needs;    // of all columns
   int nmax;
 
   struct DCMAtoms *dcm;
-  class FixDCMCell *cell;           // nullptr: no deformable cells
+  class FixDCMCell *cell;           // nullptr: no deformable cells, and no value of the table
   class PairDCMContact *contact;    // nullptr: no such pair style
-  class FixDCMGrowth *growth;       // nullptr: no value of the cell cycle asked for
-  bool has_volume;                  // a fix dcm/volume sets pressures
+  DCMRequest<> spheres, virial;
+  DCMRequest<int> partners;
 
-  std::vector<double> cell_sums;                        // per deformable cell, see sum_cells()
+  std::vector<double> cell_sums;                        // per row of the table, see sum_cells()
   std::vector<std::pair<tagint, tagint>> in_contact;    // sorted; both orders of each pair
 
+  std::string known() const;
   void check_current() const;
   void sum_cells();
   void gather_contacts();
   double neighbors_of(tagint) const;
   double sphere_volume(int) const;
   double sphere_pressure(int) const;
-  double cycle_value(tagint, int) const;
-  double cell_value(int, int) const;
-  double sphere_value(int, int) const;
+
+  template <int FIELD> double summed(int, int) const;
+  template <int K> double center(int, int) const;
+  template <int K> double atom_x(int, int) const;
+  template <int K> double atom_v(int, int) const;
+  double volume(int, int) const;
+  double volume0(int, int) const;
+  double area(int, int) const;
+  double pressure(int, int) const;
+  double kind(int, int) const;
+  double molecule(int, int) const;
+  double neighbors(int, int) const;
+  double volume_of_sphere(int, int) const;
+  double area_of_sphere(int, int) const;
+  double pressure_of_sphere(int, int) const;
+  double contact_area_of_sphere(int, int) const;
+  double free_area_of_sphere(int, int) const;
+  double mother(int, int) const;
+  double generation(int, int) const;
+  double birth(int, int) const;
+  double phase(int, int) const;
 };
 
 }    // namespace LAMMPS_NS

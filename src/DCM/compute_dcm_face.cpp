@@ -72,10 +72,10 @@ void ComputeDCMFace::init()
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
-  if (wants(CURVATURE)) cell->request_curvature();
+  if (wants(CURVATURE)) curvature = cell->request_curvature();
 
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
-  if (contact && wants(STRESS)) contact->request_stress();
+  if (contact && wants(STRESS)) stress = contact->request_stress();
   for (int value : columns)
     if (!contact && (value == CONTACT_AREA || value == FREE_AREA || value == STRESS))
       error->all(FLERR, "{}: value {} needs pair_style dcm/contact; add it or remove the value",
@@ -89,8 +89,8 @@ void ComputeDCMFace::init()
 
 double ComputeDCMFace::face_value(int f, int value) const
 {
-  const FixDCMCell::Face &face = cell->faces[f];
-  const double area = cell->area[f];
+  const FixDCMCell::Face &face = cell->faces()[f];
+  const double area = cell->area(f);
   switch (value) {
     case AREA:
       return area;
@@ -101,13 +101,13 @@ double ComputeDCMFace::face_value(int f, int value) const
     case STRESS:
       return area > 0.0 ? contact->normal_force()[face.atom] / area : 0.0;
     case CURVATURE: {
-      const auto &k = cell->curvature;
-      return (k[face.v[0]] + k[face.v[1]] + k[face.v[2]]) / 3.0;
+      const int *v = face.v;
+      return (cell->curvature(v[0]) + cell->curvature(v[1]) + cell->curvature(v[2])) / 3.0;
     }
     case NX:
     case NY:
     case NZ:
-      return cell->normal[3 * (size_t) f + value - NX];
+      return cell->normals()[3 * (size_t) f + value - NX];
     default:
       return dcm->region[face.atom];
   }
@@ -118,7 +118,7 @@ double ComputeDCMFace::face_value(int f, int value) const
 void ComputeDCMFace::compute_peratom()
 {
   invoked_peratom = update->ntimestep;
-  if ((int) cell->face_of.size() < atom->nlocal)
+  if (!cell->knows(atom->nlocal))
     error->one(FLERR, "{}: atoms were added since the last step; do a 'run 0' before using it",
                STYLE);
   const int ncolumns = (int) columns.size();
@@ -134,7 +134,7 @@ void ComputeDCMFace::compute_peratom()
 
   for (int i = 0; i < atom->nlocal; i++) {
     double *const row = ncolumns == 1 ? &vector_atom[i] : array_atom[i];
-    const int f = (atom->mask[i] & groupbit) ? cell->face_of[i] : -1;
+    const int f = (atom->mask[i] & groupbit) ? cell->face_of(i) : -1;
     for (int k = 0; k < ncolumns; k++) row[k] = f < 0 ? 0.0 : face_value(f, columns[k]);
   }
 }

@@ -18,6 +18,7 @@ ComputeStyle(dcm/face,ComputeDCMFace);
 #define LMP_COMPUTE_DCM_FACE_H
 
 #include "compute.h"
+#include "dcm_request.h"
 
 #include <vector>
 
@@ -44,6 +45,7 @@ class ComputeDCMFace : public Compute {
   struct DCMAtoms *dcm;
   class FixDCMCell *cell;
   class PairDCMContact *contact;    // nullptr: no such pair style
+  DCMRequest<> curvature, stress;
 
   bool wants(int) const;
   double face_value(int, int) const;

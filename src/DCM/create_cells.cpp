@@ -18,7 +18,7 @@
 #include "law/random.h"
 #include "dcm_text.h"
 #include "domain.h"
-#include "fix_dcm_growth.h"
+#include "fix_dcm_cell.h"
 #include "modify.h"
 #include "error.h"
 #include "force.h"
@@ -84,8 +84,8 @@ void CreateCells::command(int narg, char **arg)
 
   bigint ncreated[2] = {0, 0}, natoms = 0;
   tagint tag = last[0] + 1, molecule = last[1] + 1;
-  for (auto *fix : modify->get_fix_by_style("^dcm/growth$"))    // IDs of dead cells stay theirs
-    molecule = std::max(molecule, dynamic_cast<FixDCMGrowth *>(fix)->last_molecule() + 1);
+  for (auto *fix : modify->get_fix_by_style("^dcm/cell$"))    // IDs of dead cells stay theirs
+    molecule = std::max(molecule, dynamic_cast<FixDCMCell *>(fix)->cells().last_molecule() + 1);
   for (const auto &request : requests) {
     const auto &type = types[{request.name, request.deformable}];
     if (request.deformable) {

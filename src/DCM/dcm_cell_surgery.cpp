@@ -15,7 +15,7 @@
 #include "atom_vec_dcm.h"
 #include "bond_dcm_cortex.h"
 #include "comm.h"
-#include "dcm_gather.h"
+#include "dcm_allgather.h"
 #include "dihedral_dcm_bend.h"
 #include "domain.h"
 #include "dump.h"

@@ -15,7 +15,8 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "law/curvature.h"
-#include "dcm_gather.h"
+#include "dcm_record.h"
+#include "dcm_rest_file.h"
 #include "law/volume.h"
 #include "domain.h"
 #include "error.h"
@@ -26,6 +27,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -34,12 +36,15 @@ using dcm::Vec3;
 
 enum { IMAGE_SPHERE, IMAGE_LINE, IMAGE_TRI };    // as in dump_image.cpp
 
+static const char STYLE[] = "Fix dcm/cell";
+static constexpr int RECORD = 1;    // version of the restart record
+
 static constexpr int NSUM = 5;     // per cell: volume, area, displacement of the mean node
 static constexpr int NCURV = 7;    // per node: Laplace vector, normal, area
 
 /* ---------------------------------------------------------------------- */
 
-FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), table(lmp)
 {
   dcm = AtomVecDCM::require(lmp, "Fix dcm/cell");
   if (narg > 3) error->all(FLERR, "Fix dcm/cell: unknown keyword {}; it takes none", arg[3]);
@@ -49,6 +54,7 @@ FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
                modify->get_fix_by_style("^dcm/cell$")[0]->id);
   comm_forward = 4;
   comm_reverse = NCURV;
+  restart_global = 1;
 }
 
 int FixDCMCell::setmask()
@@ -66,6 +72,18 @@ FixDCMCell *FixDCMCell::require(LAMMPS *lmp, const std::string &asking)
   return dynamic_cast<FixDCMCell *>(found[0]);
 }
 
+// with the ID that decks use, so that one that the deck defines later replaces it
+
+void FixDCMCell::ensure(LAMMPS *lmp, const std::string &asking)
+{
+  if (!lmp->modify->get_fix_by_style("^dcm/cell$").empty()) return;
+  const std::string id = lmp->modify->get_fix_by_id("cell") ? "DCM_CELL" : "cell";
+  dynamic_cast<FixDCMCell *>(lmp->modify->add_fix(id + " all dcm/cell"))->by_deck = false;
+  if (lmp->comm->me == 0)
+    utils::logmesg(lmp, "{}: added 'fix {} all dcm/cell', which keeps the table of cells\n", asking,
+                   id);
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixDCMCell::init()
@@ -73,6 +91,7 @@ void FixDCMCell::init()
   dcm = AtomVecDCM::require(lmp, "Fix dcm/cell");
   if (!force->newton_pair || !force->newton_bond)
     error->all(FLERR, "Fix dcm/cell needs newton on for pairs and bonds; remove 'newton off'");
+  table.reserve_molecules();
 }
 
 void FixDCMCell::setup_pre_neighbor()
@@ -84,6 +103,7 @@ void FixDCMCell::setup_pre_force(int vflag)
 {
   pre_force(vflag);
   check_surfaces();
+  table.forget_saved();
 }
 
 /* ----------------------------------------------------------------------
@@ -92,10 +112,11 @@ void FixDCMCell::setup_pre_force(int vflag)
 
 void FixDCMCell::pre_neighbor()
 {
-  gather_cells();
+  table.refresh(spheres_wanted.any());
   snap_centers();
   build_faces();
   count_members();
+  if (adjacency_wanted.any()) build_adjacency();
   move_faces();
   commflag = GEOMETRY;
   comm->forward_comm(this, 4);
@@ -103,85 +124,36 @@ void FixDCMCell::pre_neighbor()
 
 void FixDCMCell::pre_force(int /*vflag*/)
 {
+  table.begin_step();
   measure_faces();
   measure_cells();
-  if (want_curvature) measure_curvature();
+  if (curvature_wanted.any()) measure_curvature();
 }
 
 /* ----------------------------------------------------------------------
-   table of all deformable cells from their center atoms, the same on all ranks
+   cells that came, went or changed without a rebuild, between runs
 ------------------------------------------------------------------------- */
 
-void FixDCMCell::gather_cells()
+void FixDCMCell::refresh()
 {
-  struct Entry {
-    tagint molecule, tag;
-    int type, mask;
-    double volume0, x[3];
-  };
-  std::vector<Entry> mine;
-  for (int i = 0; i < atom->nlocal; i++) {
-    if (dcm->kind[i] != AtomVecDCM::CENTER) continue;
-    const double *x = atom->x[i];
-    mine.push_back({atom->molecule[i],
-                    atom->tag[i],
-                    atom->type[i],
-                    atom->mask[i],
-                    dcm->volume0[i],
-                    {x[0], x[1], x[2]}});
-  }
-  auto all = dcm_allgather(mine, world);
-  std::sort(all.begin(), all.end(), [](const Entry &a, const Entry &b) {
-    return a.molecule < b.molecule;
-  });
-
-  std::vector<Cell> old;
-  old.swap(cells);
-  for (const auto &e : all) {
-    if (!cells.empty() && cells.back().molecule == e.molecule)
-      error->all(FLERR, "Fix dcm/cell: cell {} has two center atoms, {} and {}", e.molecule,
-                 cells.back().center_tag, e.tag);
-    Cell cell = {};
-    cell.molecule = e.molecule;
-    cell.center_tag = e.tag;
-    cell.type = e.type;
-    cell.mask = e.mask;
-    cell.volume0 = e.volume0;
-    for (int k = 0; k < 3; k++) cell.x[k] = e.x[k];
-    cells.push_back(cell);
-  }
-
-  // what was measured before stays readable until the next pre_force
-
-  size_t n = 0;
-  for (auto &cell : cells) {
-    while (n < old.size() && old[n].molecule < cell.molecule) n++;
-    if (n == old.size() || old[n].molecule != cell.molecule) continue;
-    cell.volume = old[n].volume;
-    cell.area = old[n].area;
-    cell.pressure = old[n].pressure;
-  }
+  table.refresh(spheres_wanted.any());
 }
 
-void FixDCMCell::refresh_centers()
-{
-  gather_cells();
-  count_members();
-}
+/* ----------------------------------------------------------------------
+   deformable cells only, so that it costs no more where there are spheres in the table
+------------------------------------------------------------------------- */
 
-int FixDCMCell::find_cell(tagint molecule) const
+void FixDCMCell::sum(std::vector<double> &values, int width)
 {
-  auto found =
-      std::lower_bound(cells.begin(), cells.end(), molecule, [](const Cell &cell, tagint mol) {
-        return cell.molecule < mol;
-      });
-  return (found == cells.end() || found->molecule != molecule) ? -1 : (int) (found - cells.begin());
-}
-
-void FixDCMCell::sum(std::vector<double> &values) const
-{
-  if (comm->nprocs > 1 && !values.empty())
-    MPI_Allreduce(MPI_IN_PLACE, values.data(), (int) values.size(), MPI_DOUBLE, MPI_SUM, world);
+  if (comm->nprocs == 1) return;
+  const auto &rows = table.all_deformable();
+  if (rows.empty()) return;
+  packed.resize(width * rows.size());
+  for (size_t n = 0; n < rows.size(); n++)
+    std::copy_n(&values[(size_t) width * rows[n]], width, &packed[width * n]);
+  MPI_Allreduce(MPI_IN_PLACE, packed.data(), (int) packed.size(), MPI_DOUBLE, MPI_SUM, world);
+  for (size_t n = 0; n < rows.size(); n++)
+    std::copy_n(&packed[width * n], width, &values[(size_t) width * rows[n]]);
 }
 
 /* ----------------------------------------------------------------------
@@ -191,29 +163,29 @@ void FixDCMCell::sum(std::vector<double> &values) const
 void FixDCMCell::count_members()
 {
   const int nall = atom->nlocal + atom->nghost;
-  cell_of.assign(nall, -1);
-  cell_sums.assign(2 * cells.size(), 0.0);
+  cell_of_atom.assign(nall, -1);
+  cell_sums.assign(2 * table.size(), 0.0);
+  const bool spheres = spheres_wanted.any();
   int last = -1;    // atoms of a cell follow each other
   for (int i = 0; i < nall; i++) {
     const int kind = dcm->kind[i];
+    if (kind == AtomVecDCM::SPHERE && spheres) cell_of_atom[i] = table.find(atom->molecule[i]);
     if (kind != AtomVecDCM::NODE && kind != AtomVecDCM::FACE && kind != AtomVecDCM::CENTER)
       continue;
-    if (last < 0 || cells[last].molecule != atom->molecule[i]) last = find_cell(atom->molecule[i]);
-    if (last < 0)
+    if (last < 0 || table[last].molecule != atom->molecule[i]) last = table.find(atom->molecule[i]);
+    if (last < 0 || !table[last].deformable)
       error->one(FLERR,
                  "Fix dcm/cell: {} {} belongs to cell {}, which has no center atom; delete "
                  "whole cells only",
                  kind == AtomVecDCM::NODE ? "node" : "face", atom->tag[i], atom->molecule[i]);
-    cell_of[i] = last;
+    cell_of_atom[i] = last;
     if (i < atom->nlocal && kind == AtomVecDCM::NODE) cell_sums[2 * last] += 1.0;
     if (i < atom->nlocal && kind == AtomVecDCM::FACE) cell_sums[2 * last + 1] += 1.0;
   }
-  sum(cell_sums);
-  for (size_t c = 0; c < cells.size(); c++) {
-    cells[c].nnodes = (int) cell_sums[2 * c];
-    cells[c].nfaces = (int) cell_sums[2 * c + 1];
-  }
-  for (auto &face : faces) face.cell = cell_of[face.atom];
+  sum(cell_sums, 2);
+  for (const int c : table.deformable())
+    table.counted(c, (int) cell_sums[2 * c], (int) cell_sums[2 * c + 1]);
+  for (auto &face : face_list) face.cell = cell_of_atom[face.atom];
 }
 
 /* ----------------------------------------------------------------------
@@ -224,10 +196,13 @@ void FixDCMCell::count_members()
 
 void FixDCMCell::snap_centers()
 {
-  for (auto &cell : cells) {
+  for (const int c : table.deformable()) {
+    const auto &cell = table[c];
     if (!(cell.volume0 > 0.0)) continue;
     const double unit = std::exp2(std::floor(std::log2(cell.volume0) / 3.0) - 4.0);
-    for (double &x : cell.x) x = unit * std::round(x / unit);
+    double x[3];
+    for (int k = 0; k < 3; k++) x[k] = unit * std::round(cell.x[k] / unit);
+    table.place(c, x);
   }
 }
 
@@ -238,10 +213,10 @@ void FixDCMCell::snap_centers()
 void FixDCMCell::build_faces()
 {
   const int nlocal = atom->nlocal, nall = nlocal + atom->nghost;
-  faces.clear();
-  face_of.assign(nall, -1);
+  face_list.clear();
+  face_of_atom.assign(nall, -1);
   for (int i = 0; i < nall; i++) {
-    if (i == nlocal) nowned = (int) faces.size();
+    if (i == nlocal) nowned_faces = (int) face_list.size();
     if (dcm->kind[i] != AtomVecDCM::FACE) continue;
     Face face = {i, {-1, -1, -1}, -1};
     for (int k = 0; k < 3; k++) {
@@ -250,12 +225,12 @@ void FixDCMCell::build_faces()
       if (j >= 0) face.v[k] = domain->closest_image(i, j);
       if (face.v[k] < 0 && i < nlocal) missing_vertex(i, tag);
     }
-    face_of[i] = (int) faces.size();
-    faces.push_back(face);
+    face_of_atom[i] = (int) face_list.size();
+    face_list.push_back(face);
   }
-  if (atom->nghost == 0) nowned = (int) faces.size();
-  normal.assign(3 * faces.size(), 0.0);
-  area.assign(faces.size(), 0.0);
+  if (atom->nghost == 0) nowned_faces = (int) face_list.size();
+  face_area.assign(face_list.size(), 0.0);
+  normals_current = false;
 }
 
 /* ----------------------------------------------------------------------
@@ -266,9 +241,13 @@ void FixDCMCell::build_faces()
 void FixDCMCell::move_faces()
 {
   double **x = atom->x;
-  double sums[2] = {0.0, 3.0 * nowned};
-  for (int f = 0; f < nowned; f++) {
-    const Face &face = faces[f];
+  double contact_range = 0.0;
+  ranges.each([&contact_range](double range) {
+    contact_range = std::max(contact_range, range);
+  });
+  double sums[2] = {0.0, 3.0 * nowned_faces};
+  for (int f = 0; f < nowned_faces; f++) {
+    const Face &face = face_list[f];
     const Vec3 a = vec(x[face.v[0]]), b = vec(x[face.v[1]]), c = vec(x[face.v[2]]);
     const Vec3 mid = (a + b + c) / 3.0;
     vec(x[face.atom]) = mid;
@@ -286,15 +265,29 @@ void FixDCMCell::move_faces()
 void FixDCMCell::measure_faces()
 {
   double **x = atom->x;
-  for (size_t f = 0; f < faces.size(); f++) {
-    const Face &face = faces[f];
+  for (size_t f = 0; f < face_list.size(); f++) {
+    const Face &face = face_list[f];
     if (face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0) continue;
     const Vec3 a = vec(x[face.v[0]]), b = vec(x[face.v[1]]), c = vec(x[face.v[2]]);
-    const Vec3 s = dcm::face_area_vector(a, b, c);
-    area[f] = s.norm();
-    vec(&normal[3 * f]) = area[f] > 0.0 ? Vec3(s / area[f]) : Vec3(Vec3::Zero());
+    face_area[f] = dcm::face_area_vector(a, b, c).norm();
     vec(x[face.atom]) = (a + b + c) / 3.0;
   }
+  normals_current = false;
+}
+
+const double *FixDCMCell::normals()
+{
+  if (normals_current) return face_normal.data();
+  double **x = atom->x;
+  face_normal.assign(3 * face_list.size(), 0.0);
+  for (size_t f = 0; f < face_list.size(); f++) {
+    const int *v = face_list[f].v;
+    if (v[0] < 0 || v[1] < 0 || v[2] < 0 || !(face_area[f] > 0.0)) continue;
+    vec(&face_normal[3 * f]) =
+        dcm::face_area_vector(vec(x[v[0]]), vec(x[v[1]]), vec(x[v[2]])) / face_area[f];
+  }
+  normals_current = true;
+  return face_normal.data();
 }
 
 /* ----------------------------------------------------------------------
@@ -306,45 +299,46 @@ void FixDCMCell::measure_cells()
 {
   double **x = atom->x;
   const bool periodic = domain->xperiodic || domain->yperiodic || domain->zperiodic;
-  auto from_center = [&](int i, const Cell &cell) {
-    Vec3 d(x[i][0] - cell.x[0], x[i][1] - cell.x[1], x[i][2] - cell.x[2]);
+  auto from_center = [&](int i, int c) {
+    const double *const center = table[c].x;
+    Vec3 d(x[i][0] - center[0], x[i][1] - center[1], x[i][2] - center[2]);
     if (periodic) dcm_minimum_image(domain, d[0], d[1], d[2]);
     return d;
   };
 
-  cell_sums.assign(NSUM * cells.size(), 0.0);
-  for (int f = 0; f < nowned; f++) {
-    const Face &face = faces[f];
+  cell_sums.assign(NSUM * table.size(), 0.0);
+  for (int f = 0; f < nowned_faces; f++) {
+    const Face &face = face_list[f];
     double *sums = &cell_sums[NSUM * face.cell];
-    const Vec3 a = from_center(face.v[0], cells[face.cell]);
+    const Vec3 a = from_center(face.v[0], face.cell);
     const Vec3 b = a + (vec(x[face.v[1]]) - vec(x[face.v[0]]));
     const Vec3 c = a + (vec(x[face.v[2]]) - vec(x[face.v[0]]));
     sums[0] += dcm::face_volume(a, b, c);
-    sums[1] += area[f];
+    sums[1] += face_area[f];
   }
   for (int i = 0; i < atom->nlocal; i++) {
     if (dcm->kind[i] != AtomVecDCM::NODE) continue;
-    double *sums = &cell_sums[NSUM * cell_of[i]];
-    vec(sums + 2) += from_center(i, cells[cell_of[i]]);
+    double *sums = &cell_sums[NSUM * cell_of_atom[i]];
+    vec(sums + 2) += from_center(i, cell_of_atom[i]);
   }
-  sum(cell_sums);
+  sum(cell_sums, NSUM);
 
-  for (size_t c = 0; c < cells.size(); c++) {
-    Cell &cell = cells[c];
+  for (const int c : table.deformable()) {
+    const auto &cell = table[c];
     const double *sums = &cell_sums[NSUM * c];
-    cell.volume = sums[0];
-    cell.area = sums[1];
-    if (!std::isfinite(cell.volume) || cell.volume <= 0.0)
+    if (!std::isfinite(sums[0]) || sums[0] <= 0.0)
       error->all(FLERR,
                  "Fix dcm/cell: cell {} has volume {} at step {}: its surface is inverted "
                  "(a mesh given inside out, or a time step too large); flip the mesh's faces or "
                  "reduce the timestep",
-                 cell.molecule, cell.volume, update->ntimestep);
+                 cell.molecule, sums[0], update->ntimestep);
+    double center[3] = {cell.x[0], cell.x[1], cell.x[2]};
     if (cell.nnodes > 0)
-      for (int k = 0; k < 3; k++) cell.x[k] += sums[2 + k] / cell.nnodes;
+      for (int k = 0; k < 3; k++) center[k] += sums[2 + k] / cell.nnodes;
+    table.measured(c, sums[0], sums[1], center);
   }
   for (int i = 0; i < atom->nlocal; i++)
-    if (dcm->kind[i] == AtomVecDCM::CENTER) vec(x[i]) = vec(cells[cell_of[i]].x);
+    if (dcm->kind[i] == AtomVecDCM::CENTER) vec(x[i]) = vec(table[cell_of_atom[i]].x);
 }
 
 /* ----------------------------------------------------------------------
@@ -356,8 +350,8 @@ void FixDCMCell::measure_curvature()
   double **x = atom->x;
   const int nlocal = atom->nlocal, nall = nlocal + atom->nghost;
   node_sums.assign((size_t) NCURV * nall, 0.0);
-  for (int f = 0; f < nowned; f++) {
-    const int *v = faces[f].v;
+  for (int f = 0; f < nowned_faces; f++) {
+    const int *v = face_list[f].v;
     const auto part = dcm::face_curvature_parts(vec(x[v[0]]), vec(x[v[1]]), vec(x[v[2]]));
     for (int k = 0; k < 3; k++) {
       double *sums = &node_sums[(size_t) NCURV * v[k]];
@@ -369,11 +363,11 @@ void FixDCMCell::measure_curvature()
   commflag = CURVATURE;
   comm->reverse_comm(this, NCURV);
 
-  curvature.resize(nall);
+  node_curvature.resize(nall);
   for (int i = 0; i < nlocal; i++) {
     if (dcm->kind[i] != AtomVecDCM::NODE) continue;
     const double *sums = &node_sums[(size_t) NCURV * i];
-    curvature[i] = dcm::node_curvature(vec(sums), vec(sums + 3), sums[6]);
+    node_curvature[i] = dcm::node_curvature(vec(sums), vec(sums + 3), sums[6]);
   }
   comm->forward_comm(this, 1);
 }
@@ -386,7 +380,13 @@ int FixDCMCell::pack_forward_comm(int n, int *list, double *buf, int pbc_flag, i
   int m = 0;
   if (commflag == CURVATURE) {
     for (int i = 0; i < n; i++)
-      if (kind[list[i]] == AtomVecDCM::NODE) buf[m++] = curvature[list[i]];
+      if (kind[list[i]] == AtomVecDCM::NODE) buf[m++] = node_curvature[list[i]];
+    return m;
+  }
+
+  if (commflag == REGION) {
+    for (int i = 0; i < n; i++)
+      if (kind[list[i]] == AtomVecDCM::FACE) buf[m++] = dcm->region[list[i]];
     return m;
   }
 
@@ -411,8 +411,12 @@ void FixDCMCell::unpack_forward_comm(int n, int first, double *buf)
   int m = 0;
   for (int i = first; i < first + n; i++) {
     if (commflag == CURVATURE) {
-      if (kind[i] == AtomVecDCM::NODE) curvature[i] = buf[m++];
-    } else if (kind[i] == AtomVecDCM::FACE) {
+      if (kind[i] == AtomVecDCM::NODE) node_curvature[i] = buf[m++];
+    } else if (kind[i] != AtomVecDCM::FACE) {
+      continue;
+    } else if (commflag == REGION) {
+      dcm->region[i] = (int) buf[m++];
+    } else {
       for (int k = 0; k < 3; k++) atom->x[i][k] = buf[m++];
       atom->radius[i] = buf[m++];
     }
@@ -446,27 +450,59 @@ void FixDCMCell::unpack_reverse_comm(int n, int *list, double *buf)
 
 int FixDCMCell::image(int *&kinds, double **&rows)
 {
-  image_kind.assign(nowned, IMAGE_TRI);
-  image_values.resize((size_t) 10 * nowned);
-  image_rows.resize(nowned);
-  for (int f = 0; f < nowned; f++) {
+  image_kind.assign(nowned_faces, IMAGE_TRI);
+  image_values.resize((size_t) 10 * nowned_faces);
+  image_rows.resize(nowned_faces);
+  for (int f = 0; f < nowned_faces; f++) {
     double *row = image_rows[f] = &image_values[(size_t) 10 * f];
-    row[0] = atom->type[faces[f].atom];
-    for (int k = 0; k < 3; k++) vec(row + 1 + 3 * k) = vec(atom->x[faces[f].v[k]]);
+    row[0] = atom->type[face_list[f].atom];
+    for (int k = 0; k < 3; k++) vec(row + 1 + 3 * k) = vec(atom->x[face_list[f].v[k]]);
   }
   kinds = image_kind.data();
   rows = image_rows.data();
-  return nowned;
+  return nowned_faces;
 }
 
 /* ---------------------------------------------------------------------- */
 
 double FixDCMCell::memory_usage()
 {
-  double bytes = 0.0;
-  bytes += (double) faces.capacity() * (sizeof(Face) + 4 * sizeof(double));
-  bytes += (double) face_of.capacity() * 2 * sizeof(int);
-  bytes += (double) (node_sums.capacity() + curvature.capacity()) * sizeof(double);
-  bytes += (double) cells.capacity() * sizeof(Cell);
+  double bytes = table.memory_usage();
+  bytes += (double) face_list.capacity() * (sizeof(Face) + sizeof(double));
+  bytes += (double) cell_of_atom.capacity() * 2 * sizeof(int);
+  bytes += (double) (first_around.capacity() + around.capacity()) * sizeof(int);
+  bytes += (double) (node_sums.capacity() + node_curvature.capacity() + face_normal.capacity()) *
+           sizeof(double);
   return bytes;
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixDCMCell::modify_param(int narg, char **arg)
+{
+  const bool writing = strcmp(arg[0], "rest/write") == 0;
+  if (!writing && strcmp(arg[0], "rest/read") != 0) return 0;
+  if (narg < 2) error->all(FLERR, "Fix_modify {} {} needs a file name", id, arg[0]);
+  if (writing)
+    dcm_write_rest_file(lmp, arg[1]);
+  else
+    dcm_read_rest_file(lmp, arg[1]);
+  return 2;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMCell::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  DCMRecord record(lmp, STYLE, RECORD);
+  table.put(record);
+  record.write(fp);
+}
+
+void FixDCMCell::restart(char *buf)
+{
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.load(buf);
+  table.get(record);
 }

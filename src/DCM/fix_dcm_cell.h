@@ -17,46 +17,30 @@ FixStyle(dcm/cell,FixDCMCell);
 #ifndef LMP_FIX_DCM_CELL_H
 #define LMP_FIX_DCM_CELL_H
 
+#include "dcm_cell_table.h"
+#include "dcm_request.h"
 #include "fix.h"
 
+#include <array>
 #include <vector>
 
 namespace LAMMPS_NS {
 
-// Owner of what several styles need of the deformable cells: who belongs to which cell, the faces
-// with their vertices, normals and areas, the sums over each cell, and on request the curvature.
-// Exactly one per deck; the other styles find it with FixDCMCell::require().
+// Owner of what several styles need of cells: the table of cells of both kinds, who belongs to
+// which cell, the faces of deformable cells with their vertices and areas, the sums over each cell,
+// and on request curvature and adjacency. Exactly one per deck; the other styles find it with
+// require().
 //
-// valid from pre_neighbor (each rebuild) on:   faces, face_of, cell_of, cells (membership)
-// valid from pre_force (each step) on:         normal, area, cells (volume, area, x), curvature
+// valid from pre_neighbor (each rebuild) on:   faces, face_of, cell_of, membership in the table
+// valid from pre_force (each step) on:         area, volume, area and x of cells, curvature
 
 class FixDCMCell : public Fix {
  public:
   struct Face {
     int atom;    // local index of the face atom
     int v[3];    // local indices of its vertices (closest images), -1: beyond the ghost cutoff
-    int cell;    // index into cells
+    int cell;    // row of the table of cells
   };
-
-  struct Cell {    // one per deformable cell, the same on all ranks, sorted by molecule
-    tagint molecule, center_tag;
-    int type;    // atom type of the center
-    int mask;    // group mask of the center
-    int nnodes, nfaces;
-    double volume0;    // rest volume
-    double volume, area;
-    double x[3];        // mean of the nodes, unwrapped next to the center atom
-    double pressure;    // set by fix dcm/volume, else 0
-  };
-
-  int nowned = 0;    // faces[0..nowned) are owned, the others ghosts
-  std::vector<Face> faces;
-  std::vector<int> face_of;    // per owned + ghost atom: index into faces, -1: no face
-  std::vector<int> cell_of;    // per owned + ghost atom: index into cells, -1: none
-  std::vector<Cell> cells;
-  std::vector<double> normal;       // per face 3: outward unit normal (0 for a degenerate face)
-  std::vector<double> area;         // per face
-  std::vector<double> curvature;    // per atom: signed scalar 2H of nodes, if requested
 
   FixDCMCell(class LAMMPS *, int, char **);
   int setmask() override;
@@ -65,25 +49,68 @@ class FixDCMCell : public Fix {
   void pre_neighbor() override;
   void setup_pre_force(int) override;
   void pre_force(int) override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
 
-  // what other styles ask for in their init()
-  void request_curvature() { want_curvature = true; }
-  void set_contact_range(double range) { contact_range = range; }
+  // the table; to be changed only by those who change the atoms as well
 
-  // index into cells of a molecule ID, -1: not a deformable cell
-  int find_cell(tagint molecule) const;
+  const DCMCellTable &cells() const { return table; }
+  DCMCellTable &change_cells() { return table; }
 
-  // sum `values` (n per cell) over all ranks
-  void sum(std::vector<double> &values) const;
+  int nowned() const { return nowned_faces; }    // faces()[0..nowned()) are owned, others ghosts
+  const std::vector<Face> &faces() const { return face_list; }
+  int face_of(int i) const { return face_of_atom[i]; }    // owned or ghost atom; -1: no face
+  int cell_of(int i) const { return cell_of_atom[i]; }    // row of the table; -1: none
+  bool knows(int natoms) const { return (int) cell_of_atom.size() >= natoms; }
+  double area(int f) const { return face_area[f]; }
 
-  // re-read volume0, type and mask of the centers after somebody has changed them
-  void refresh_centers();
+  // outward unit normals, 3 numbers a face, 0 for a degenerate one; computed when first asked for
+  // in a step
+
+  const double *normals();
+
+  // signed scalar 2H of nodes, owned and ghost, per atom; while requested
+
+  double curvature(int i) const { return node_curvature[i]; }
+
+  // requests: ask in init(), every run, and keep the handle
+
+  DCMRequest<> request_curvature() { return curvature_wanted.add(); }
+  DCMRequest<> request_adjacency() { return adjacency_wanted.add(); }
+  DCMRequest<> request_spheres() { return spheres_wanted.add(); }
+  DCMRequest<double> request_contact_range(double range) { return ranges.add(range); }
+
+  // the faces around a node (owned, or ghost as far as its faces are known) and the two at an edge;
+  // each face once, in the order of their atom IDs; -1: not known here. While requested, from
+  // pre_neighbor on
+
+  std::vector<int> faces_of_node(int i) const;
+  std::array<int, 2> faces_of_edge(int i, int j) const;
+
+  // region of an owned face; collective update_regions() after the last change of a step makes
+  // those of ghost faces current
+
+  void set_region(int f, int region);
+  void update_regions();
+
+  // sum `values` (width per row of the table) over all ranks; spheres are left alone
+
+  void sum(std::vector<double> &values, int width);
+
+  // take in cells, or values of their atoms, that somebody has changed; collective
+
+  void refresh();
 
   // mean edge length over all faces of a cell type's cells at the last rebuild
   double mean_edge() const { return edge_mean; }
 
   // the one instance; error naming the asking style when there is none
   static FixDCMCell *require(class LAMMPS *, const std::string &asking);
+
+  // make one if the deck has none, for styles that work without deformable cells: in
+  // post_constructor
+  static void ensure(class LAMMPS *, const std::string &asking);
+  bool expects_deformable() const { return by_deck; }    // the deck has asked for it
 
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
@@ -94,39 +121,38 @@ class FixDCMCell : public Fix {
   double memory_usage() override;
 
  private:
-  enum Comm { GEOMETRY, CURVATURE };
-
-  // one line of a rest-state file: the atoms of a bond or dihedral and its rest value
-
-  struct RestValue {
-    tagint tag[4];    // bond: two tags and zeros
-    double value;
-  };
+  enum Comm { GEOMETRY, CURVATURE, REGION };
 
   struct DCMAtoms *dcm;
+  DCMCellTable table;
+  int nowned_faces = 0;
+  std::vector<Face> face_list;
+  std::vector<int> face_of_atom, cell_of_atom;
+  std::vector<double> face_area, face_normal;
+  std::vector<double> node_curvature;
+  bool normals_current = false, by_deck = true;
+  DCMRequests<> curvature_wanted, adjacency_wanted, spheres_wanted;
+  DCMRequests<double> ranges;    // of contact
+
   Comm commflag = GEOMETRY;
-  bool want_curvature = false;
-  double contact_range = 0.0, edge_mean = 0.0;
+  double edge_mean = 0.0;
   std::vector<double> node_sums;    // per atom 7: Laplace vector, normal, mixed Voronoi area
-  std::vector<double> cell_sums;
+  std::vector<double> cell_sums, packed;
+  std::vector<int> first_around, around;    // faces around each node, by the atom map's copy of it
   std::vector<int> image_kind;
   std::vector<double> image_values;
   std::vector<double *> image_rows;
 
-  void gather_cells();
   void count_members();
   void snap_centers();
   void build_faces();
+  void build_adjacency();
   void missing_vertex(int, tagint);
   void move_faces();
   void measure_faces();
   void measure_cells();
   void measure_curvature();
   void check_surfaces();
-  void write_rest_state(const std::string &);
-  void read_rest_state(const std::string &);
-  void collect_rest_values(std::vector<RestValue> &) const;
-  bigint apply_rest_value(const RestValue &);
 };
 
 }    // namespace LAMMPS_NS

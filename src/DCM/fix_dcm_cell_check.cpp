@@ -55,15 +55,16 @@ void FixDCMCell::missing_vertex(int i, tagint vertex)
 void FixDCMCell::check_surfaces()
 {
   double **x = atom->x;
-  const int ncells = (int) cells.size();
+  const double *const normal = normals();
+  const int ncells = table.size();
   std::vector<double> sums(4 * ncells, 0.0), reach(ncells, 0.0);
   double smallest[2] = {1.0, (double) comm->me};
   tagint thin = 0;
-  for (int f = 0; f < nowned; f++) {
-    const Face &face = faces[f];
-    const Cell &cell = cells[face.cell];
-    vec(&sums[4 * face.cell]) += area[f] * vec(&normal[3 * f]);
-    const double relative = area[f] * cell.nfaces / cell.area;
+  for (int f = 0; f < nowned_faces; f++) {
+    const Face &face = face_list[f];
+    const auto &cell = table[face.cell];
+    vec(&sums[4 * face.cell]) += face_area[f] * vec(&normal[3 * f]);
+    const double relative = face_area[f] * cell.nfaces / cell.area;
     if (relative < smallest[0]) {
       smallest[0] = relative;
       thin = atom->tag[face.atom];
@@ -74,11 +75,11 @@ void FixDCMCell::check_surfaces()
       if (domain->periodicity[k])
         reach[face.cell] = std::max(reach[face.cell], std::fabs(d[k]) / domain->prd[k]);
   }
-  sum(sums);
+  sum(sums, 4);
   if (ncells) MPI_Allreduce(MPI_IN_PLACE, reach.data(), ncells, MPI_DOUBLE, MPI_MAX, world);
 
-  for (int c = 0; c < ncells; c++) {
-    const Cell &cell = cells[c];
+  for (const int c : table.deformable()) {
+    const auto &cell = table[c];
     if (cell.nfaces != 2 * cell.nnodes - 4)
       error->all(FLERR,
                  "Fix dcm/cell: cell {} has {} nodes and {} faces; a closed surface of "

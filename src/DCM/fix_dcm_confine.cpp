@@ -15,6 +15,7 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "dcm_parameters.h"
+#include "dcm_record.h"
 #include "law/vector.h"
 #include "domain.h"
 #include "error.h"
@@ -31,6 +32,7 @@ using namespace LAMMPS_NS;
 using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/confine";
+static constexpr int RECORD = 1;    // version of the restart record
 static const std::vector<std::string> KEYWORDS = {"pressure", "over", "axis",  "center", "tau",
                                                   "limit",    "area", "plane", "at",     "group"};
 
@@ -158,7 +160,7 @@ void FixDCMConfine::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
   if (target == 0.0) return;
-  if (modify->get_fix_by_style("^dcm/volume$").empty())
+  if (!(traits_of(lmp) & GIVES_PRESSURE))
     error->all(FLERR, "{}: pressure needs a fix dcm/volume, without it cells have no pressure",
                STYLE);
   if (tau > 0.0 && tau < MIN_STEPS * update->dt)
@@ -174,7 +176,8 @@ void FixDCMConfine::setup(int /*vflag*/)
 {
   if (target == 0.0) return;
   bool any = false;
-  for (const auto &it : cell->cells) any = any || (it.mask & measured_bit);
+  for (const int c : cell->cells().all_deformable())
+    any = any || (cell->cells()[c].mask & measured_bit);
   if (!any) error->all(FLERR, "{}: no deformable cell has its center in group {}", STYLE, measured);
   if (!started) estimate_reference();
 }
@@ -211,7 +214,8 @@ void FixDCMConfine::estimate_reference()
     sums[2] += 2.0 * atom->radius[i];
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, world);
-  for (const auto &it : cell->cells) {
+  for (const int c : cell->cells().all_deformable()) {
+    const auto &it = cell->cells()[c];
     if (!(it.mask & groupbit)) continue;
     radial(it.x, d);
     sums[0] += 1.0;
@@ -233,9 +237,13 @@ double FixDCMConfine::mean_pressure() const
 {
   double sum = 0.0;
   int n = 0;
-  for (const auto &it : cell->cells) {
-    if (!(it.mask & measured_bit)) continue;
-    sum += it.pressure;
+  const auto &table = cell->cells();
+  int field = 0;
+  const auto pressure = table.column("pressure", field);
+  if (!pressure) return 0.0;
+  for (const int c : table.all_deformable()) {
+    if (!(table[c].mask & measured_bit)) continue;
+    sum += (*pressure)(c);
     n++;
   }
   return n ? sum / n : 0.0;
@@ -310,10 +318,10 @@ void FixDCMConfine::pre_reverse(int /*eflag*/, int /*vflag*/)
 
   // all ranks hold the same deformable cells: their energy counts once
 
-  const int ncells = (int) cell->cells.size();
-  cell_force.resize(3 * ncells);
-  for (int c = 0; c < ncells; c++) {
-    const FixDCMCell::Cell &it = cell->cells[c];
+  const auto &table = cell->cells();
+  cell_force.resize(3 * table.size());
+  for (const int c : table.all_deformable()) {
+    const auto &it = table[c];
     add_force(it.x, it.mask, &cell_force[3 * c]);
     if (it.nnodes > 0) dcm::vec(&cell_force[3 * c]) /= it.nnodes;
   }
@@ -323,7 +331,7 @@ void FixDCMConfine::pre_reverse(int /*eflag*/, int /*vflag*/)
   const int *const kind = dcm->kind;
   for (int i = 0; i < atom->nlocal; i++) {
     if (kind[i] == AtomVecDCM::NODE) {
-      dcm::vec(f[i]) += dcm::vec(&cell_force[3 * cell->cell_of[i]]);
+      dcm::vec(f[i]) += dcm::vec(&cell_force[3 * cell->cell_of(i)]);
     } else if (kind[i] == AtomVecDCM::SPHERE) {
       double fi[3];
       add_force(atom->x[i], atom->mask[i], fi);
@@ -337,20 +345,22 @@ void FixDCMConfine::pre_reverse(int /*eflag*/, int /*vflag*/)
 void FixDCMConfine::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
-  const double list[4] = {started ? 1.0 : 0.0, force, reference, smooth};
-  const int size = sizeof(list);
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(list, sizeof(double), 4, fp);
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.put(started);
+  record.put(force);
+  record.put(reference);
+  record.put(smooth);
+  record.write(fp);
 }
 
 void FixDCMConfine::restart(char *buf)
 {
-  double list[4];
-  memcpy(list, buf, sizeof(list));
-  started = list[0] != 0.0;
-  force = list[1];
-  reference = list[2];
-  smooth = list[3];
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.load(buf);
+  record.get(started);
+  record.get(force);
+  record.get(reference);
+  record.get(smooth);
 }
 
 /* ----------------------------------------------------------------------

@@ -17,6 +17,7 @@ FixStyle(dcm/confine,FixDCMConfine);
 #ifndef LMP_FIX_DCM_CONFINE_H
 #define LMP_FIX_DCM_CONFINE_H
 
+#include "dcm_role.h"
 #include "fix.h"
 
 #include <string>
@@ -30,7 +31,7 @@ namespace LAMMPS_NS {
 // The force of step n+1 follows from the pressures of step n, in initial_integrate: setup() changes
 // nothing, so that a restart repeats what the run did, and the order of fixes does not matter.
 
-class FixDCMConfine : public Fix {
+class FixDCMConfine : public Fix, public DCMRole {
  public:
   FixDCMConfine(class LAMMPS *, int, char **);
   int setmask() override;

@@ -11,16 +11,18 @@
 #include "fix_dcm_convert.h"
 
 #include "atom.h"
+#include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_compat.h"
-#include "dcm_gather.h"
+#include "dcm_cell_variable.h"
 #include "dcm_parameters.h"
+#include "dcm_record.h"
 #include "law/random.h"
 #include "law/shape.h"
 #include "law/volume.h"
 #include "domain.h"
 #include "error.h"
-#include "fix_dcm_growth.h"
+#include "fix_dcm_cell.h"
 #include "group.h"
 #include "modify.h"
 #include "region.h"
@@ -35,6 +37,7 @@ using namespace FixConst;
 using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/convert";
+static constexpr int RECORD = 1;    // version of the restart record
 
 enum { STAY, TO_DEFORMABLE, TO_SPHERE };
 
@@ -45,10 +48,10 @@ enum { STAY, TO_DEFORMABLE, TO_SPHERE };
 ------------------------------------------------------------------------- */
 
 FixDCMConvert::FixDCMConvert(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), growth(nullptr), level(2), rest(1.0), region{nullptr, nullptr},
+    Fix(lmp, narg, arg), cell(nullptr), level(2), rest(1.0), region{nullptr, nullptr},
     near_bit(0), near{0.0, 0.0}, seed(1), counts{0, 0}
 {
-  FixDCMGrowth::require(lmp, STYLE);
+  AtomVecDCM::require(lmp, STYLE);
   nevery = 100;
   parse(narg - 3, arg + 3);
   if (sphere.center == 0 || deformable.center == 0)
@@ -141,7 +144,11 @@ int FixDCMConvert::setmask()
 
 void FixDCMConvert::init()
 {
-  growth = FixDCMGrowth::require(lmp, STYLE);
+  cell = FixDCMCell::require(lmp, STYLE);
+  spheres = cell->request_spheres();
+  ratio = cell->change_cells().add(STYLE, "rest_ratio", DCMColumn::INHERIT, 1.0, {}, ratio);
+  cell->refresh();
+  cell->cells().require_ids(STYLE);
   for (int k = 0; k < 2; k++) {
     if (region_id[k].empty()) continue;
     region[k] = domain->get_region_by_id(region_id[k]);
@@ -154,8 +161,6 @@ void FixDCMConvert::init()
     if (igroup2 < 0) error->all(FLERR, "{}: there is no group {}", STYLE, group_id);
     near_bit = group->bitmask[igroup2];
   }
-  if (modify->get_fix_by_style("^dcm/cell$").empty())
-    error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck", STYLE);
   DCMCellSurgery::require_laws(lmp, STYLE);
   DCMCellSurgery::check_order(lmp, this, STYLE);
   DCMCellBuilder(lmp, STYLE, false).reserve_slots(top.slots);
@@ -166,7 +171,7 @@ void FixDCMConvert::init()
    what the rule asks of every cell
 ------------------------------------------------------------------------- */
 
-std::vector<int> FixDCMConvert::wanted(const std::vector<DCMCellAtom> &cells)
+std::vector<int> FixDCMConvert::wanted(const Cells &cells)
 {
   std::vector<int> change(cells.size(), STAY);
   for (auto *it : region)
@@ -212,13 +217,15 @@ void FixDCMConvert::initial_integrate(int /*vflag*/)
 {
   changing.clear();
   if (update->ntimestep % nevery) return;
-  const auto cells = dcm_cell_atoms(lmp);
+  const auto &table = cell->cells();
+  const auto cells = DCMCellTable::gather(lmp, true);
   const auto change = wanted(cells);
   for (size_t n = 0; n < cells.size(); n++) {
-    const auto *const entry = growth->find(cells[n].molecule);
-    if (change[n] == STAY || !entry) continue;
+    const int row = table.find(cells[n].molecule);
+    if (change[n] == STAY || row < 0) continue;
     // who is about to divide does so as it is; its daughters can change
-    if (entry->phase == FixDCMGrowth::ROUNDING || entry->phase == FixDCMGrowth::READY) continue;
+    const int phase = table[row].phase;
+    if (phase == DCMCellTable::ROUNDING || phase == DCMCellTable::READY) continue;
     changing.push_back({cells[n].molecule, change[n] == TO_DEFORMABLE});
   }
   if (!changing.empty()) next_reneighbor = update->ntimestep;
@@ -229,15 +236,15 @@ void FixDCMConvert::initial_integrate(int /*vflag*/)
 void FixDCMConvert::pre_exchange()
 {
   if (changing.empty() || next_reneighbor != update->ntimestep) return;
-  const auto all = dcm_cell_atoms(lmp);
+  const auto all = DCMCellTable::gather(lmp, true);
 
   // another fix may have divided, converted or taken away a cell in this very step; a sphere deep
   // inside a neighbor waits until it has room
 
   std::vector<tagint> molecules;
   for (const auto &it : changing) {
-    const auto *const entry = growth->find(it.molecule);
-    if (!entry || entry->deformable == (int) it.to_deformable) continue;
+    const int row = cell->cells().find(it.molecule);
+    if (row < 0 || cell->cells()[row].deformable == it.to_deformable) continue;
     if (!it.to_deformable || can_be_shaped(it.molecule, all)) molecules.push_back(it.molecule);
   }
   DCMCellSurgery surgery(lmp, STYLE);
@@ -256,17 +263,18 @@ void FixDCMConvert::pre_exchange()
   changing.clear();
 }
 
-void FixDCMConvert::to_sphere(DCMCellSurgery &surgery, const DCMCellSurgery::Cell &cell)
+void FixDCMConvert::to_sphere(DCMCellSurgery &surgery, const DCMCellSurgery::Cell &from)
 {
-  const double volume = dcm::volume(cell.mesh);
+  const double volume = dcm::volume(from.mesh);
   DCMCellBuilder::Sphere to;
-  to.molecule = cell.molecule;
-  to.mask = cell.masks.center;
+  to.molecule = from.molecule;
+  to.mask = from.masks.center;
   to.radius = dcm::ball_radius(volume);
-  to.x = cell.x;
-  for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
+  to.x = from.x;
+  for (int k = 0; k < 3; k++) to.v[k] = from.v[k];
   surgery.insert(sphere, to);
-  growth->convert(cell.molecule, sphere.center, false, volume, cell.volume0 / volume);
+  (*ratio)(cell->cells().find(from.molecule)) = from.volume0 / volume;
+  cell->change_cells().converted(from.molecule, sphere.center, false, volume);
   counts[1]++;
 }
 
@@ -275,7 +283,7 @@ void FixDCMConvert::to_sphere(DCMCellSurgery &surgery, const DCMCellSurgery::Cel
 ------------------------------------------------------------------------- */
 
 std::vector<dcm::Ball> FixDCMConvert::neighbors_of(tagint molecule, const Vec3 &x,
-                                                   const std::vector<DCMCellAtom> &all) const
+                                                   const Cells &all) const
 {
   std::vector<dcm::Ball> neighbors;
   for (const auto &other : all) {
@@ -288,7 +296,7 @@ std::vector<dcm::Ball> FixDCMConvert::neighbors_of(tagint molecule, const Vec3 &
   return neighbors;
 }
 
-bool FixDCMConvert::can_be_shaped(tagint molecule, const std::vector<DCMCellAtom> &all) const
+bool FixDCMConvert::can_be_shaped(tagint molecule, const Cells &all) const
 {
   for (const auto &it : all)
     if (it.molecule == molecule) {
@@ -302,14 +310,14 @@ bool FixDCMConvert::can_be_shaped(tagint molecule, const std::vector<DCMCellAtom
    the rest volume is that for the pressure the cell had when it was last deformable
 ------------------------------------------------------------------------- */
 
-void FixDCMConvert::to_deformable(DCMCellSurgery &surgery, const DCMCellSurgery::Cell &cell,
-                                  const std::vector<DCMCellAtom> &all)
+void FixDCMConvert::to_deformable(DCMCellSurgery &surgery, const DCMCellSurgery::Cell &from,
+                                  const Cells &all)
 {
-  const auto neighbors = neighbors_of(cell.molecule, cell.x, all);
-  const double volume = dcm::ball_volume(cell.radius);
-  const double ratio = growth->find(cell.molecule)->ratio;
+  const auto neighbors = neighbors_of(from.molecule, from.x, all);
+  const double volume = dcm::ball_volume(from.radius);
+  double &rest_ratio = (*ratio)(cell->cells().find(from.molecule));
 
-  dcm::Random random(seed, cell.molecule, update->ntimestep, dcm::RandomPurpose::CONVERSION);
+  dcm::Random random(seed, from.molecule, update->ntimestep, dcm::RandomPurpose::CONVERSION);
   const Vec3 axis = random.gaussian_vector();
   const Eigen::Quaterniond rotation =
       Eigen::Quaterniond(random.gaussian(), axis[0], axis[1], axis[2]).normalized();
@@ -317,14 +325,15 @@ void FixDCMConvert::to_deformable(DCMCellSurgery &surgery, const DCMCellSurgery:
   for (Vec3 &x : round.nodes) x = rotation * x;
 
   DCMCellBuilder::Deformable to;
-  to.molecule = cell.molecule;
-  to.mask = cell.masks;
-  to.volume0 = ratio * volume;
-  for (int k = 0; k < 3; k++) to.v[k] = cell.v[k];
-  to.x = dcm::fit_between({cell.x, cell.radius}, volume, neighbors, round);
+  to.molecule = from.molecule;
+  to.mask = from.masks;
+  to.volume0 = rest_ratio * volume;
+  rest_ratio = 1.0;
+  for (int k = 0; k < 3; k++) to.v[k] = from.v[k];
+  to.x = dcm::fit_between({from.x, from.radius}, volume, neighbors, round);
   DCMCellBuilder::set_round_rest(top, rest, to);
   surgery.insert(deformable, top, to);
-  growth->convert(cell.molecule, deformable.center, true, to.volume0, 1.0);
+  cell->change_cells().converted(from.molecule, deformable.center, true, to.volume0);
   counts[0]++;
 }
 
@@ -333,14 +342,16 @@ void FixDCMConvert::to_deformable(DCMCellSurgery &surgery, const DCMCellSurgery:
 void FixDCMConvert::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
-  const int size = sizeof(counts);
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(counts, sizeof(bigint), 2, fp);
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.put(counts);
+  record.write(fp);
 }
 
 void FixDCMConvert::restart(char *buf)
 {
-  memcpy(counts, buf, sizeof(counts));
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.load(buf);
+  record.get(counts);
 }
 
 /* ----------------------------------------------------------------------

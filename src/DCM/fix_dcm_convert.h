@@ -19,6 +19,8 @@ FixStyle(dcm/convert,FixDCMConvert);
 
 #include "law/shape.h"
 #include "dcm_cell_surgery.h"
+#include "dcm_request.h"
+#include "dcm_role.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -31,7 +33,7 @@ namespace LAMMPS_NS {
 // back where it does not. Volume and center stay, and the cell keeps its molecule ID, its place in
 // the cycle and its lineage.
 
-class FixDCMConvert : public Fix {
+class FixDCMConvert : public Fix, public DCMRole {
  public:
   FixDCMConvert(class LAMMPS *, int, char **);
   int setmask() override;
@@ -42,13 +44,19 @@ class FixDCMConvert : public Fix {
   void restart(char *) override;
   double compute_vector(int) override;
 
+  unsigned traits() const override { return MAKES_CELLS; }
+
  private:
+  using Cells = std::vector<DCMCellTable::CellAtom>;
+
   struct Change {
     tagint molecule;
     bool to_deformable;
   };
 
-  class FixDCMGrowth *growth;
+  class FixDCMCell *cell;
+  DCMRequest<> spheres;
+  DCMCellTable::Handle ratio;    // rest volume over volume when a cell was last deformable, else 1
   DCMCellBuilder::Types deformable, sphere;
   int level;
   double rest;    // rest length over edge of the round cell
@@ -62,13 +70,11 @@ class FixDCMConvert : public Fix {
   bigint counts[2];    // to deformable, to center-based
 
   void parse(int, char **);
-  std::vector<int> wanted(const std::vector<struct DCMCellAtom> &);
-  std::vector<dcm::Ball> neighbors_of(tagint, const dcm::Vec3 &,
-                                      const std::vector<struct DCMCellAtom> &) const;
-  bool can_be_shaped(tagint, const std::vector<struct DCMCellAtom> &) const;
+  std::vector<int> wanted(const Cells &);
+  std::vector<dcm::Ball> neighbors_of(tagint, const dcm::Vec3 &, const Cells &) const;
+  bool can_be_shaped(tagint, const Cells &) const;
   void to_sphere(DCMCellSurgery &, const DCMCellSurgery::Cell &);
-  void to_deformable(DCMCellSurgery &, const DCMCellSurgery::Cell &,
-                     const std::vector<struct DCMCellAtom> &);
+  void to_deformable(DCMCellSurgery &, const DCMCellSurgery::Cell &, const Cells &);
 };
 
 }    // namespace LAMMPS_NS

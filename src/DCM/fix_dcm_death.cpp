@@ -10,15 +10,17 @@
 
 #include "fix_dcm_death.h"
 
+#include "atom_vec_dcm.h"
 #include "comm.h"
-#include "dcm_gather.h"
+#include "dcm_cell_variable.h"
 #include "dcm_parameters.h"
+#include "dcm_record.h"
 #include "law/random.h"
 #include "dcm_cell_surgery.h"
 #include "domain.h"
 #include "error.h"
-#include "fix_dcm_growth.h"
-#include "modify.h"
+#include "fix_dcm_cell.h"
+#include "group.h"
 #include "region.h"
 #include "update.h"
 
@@ -30,6 +32,7 @@ using namespace LAMMPS_NS;
 using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/death";
+static constexpr int RECORD = 1;    // version of the restart record
 
 // a shrinking cell goes when this part of its rest volume is left, not a step later by round-off
 
@@ -41,10 +44,10 @@ static constexpr double LEAST = 0.05 + 1.0e-9;
 ------------------------------------------------------------------------- */
 
 FixDCMDeath::FixDCMDeath(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), growth(nullptr), region(nullptr), age(-1.0), rate(-1.0), shrink(0.0),
-    always(false), seed(0), log(nullptr), continued(false), removed(0)
+    Fix(lmp, narg, arg), cell(nullptr), rest(lmp), region(nullptr), age(-1.0), rate(-1.0),
+    shrink(0.0), always(false), seed(0), log(nullptr), continued(false), removed(0)
 {
-  FixDCMGrowth::require(lmp, STYLE);
+  AtomVecDCM::require(lmp, STYLE);
   const DCMParameters parameters(lmp, STYLE);
   nevery = 1;
   for (int iarg = 3; iarg < narg; iarg++) {
@@ -112,9 +115,17 @@ int FixDCMDeath::setmask()
 
 /* ---------------------------------------------------------------------- */
 
+void FixDCMDeath::post_constructor()
+{
+  FixDCMCell::ensure(lmp, STYLE);
+}
+
 void FixDCMDeath::init()
 {
-  growth = FixDCMGrowth::require(lmp, STYLE);
+  cell = FixDCMCell::require(lmp, STYLE);
+  spheres = cell->request_spheres();
+  cell->refresh();
+  cell->cells().require_ids(STYLE);
   if (!region_id.empty()) {
     region = domain->get_region_by_id(region_id);
     if (!region) error->all(FLERR, "{}: there is no region {}", STYLE, region_id);
@@ -151,19 +162,29 @@ void FixDCMDeath::setup(int /*vflag*/)
 
 std::vector<tagint> FixDCMDeath::condemned()
 {
+  const auto &table = cell->cells();
   std::vector<tagint> molecules;
-  if (region) region->prematch();
-  for (const auto &it : dcm_cell_atoms(lmp)) {
-    if (!(it.mask & groupbit)) continue;
-    const auto *const entry = growth->find(it.molecule);
-    if (!entry || entry->phase == FixDCMGrowth::DYING) continue;
-    if (age >= 0.0 && growth->time() - entry->birth < age) continue;
-    if (region && !region->match(it.x[0], it.x[1], it.x[2])) continue;
+  auto consider = [&](int row, int mask) {
+    const auto &it = table[row];
+    if (!(mask & groupbit) || it.phase == DCMCellTable::DYING) return;
+    if (age >= 0.0 && table.time() - it.birth < age) return;
     if (rate > 0.0 &&
         dcm::Random(seed, it.molecule, update->ntimestep, dcm::RandomPurpose::DEATH).uniform() >
             rate * update->dt * nevery)
-      continue;
+      return;
     molecules.push_back(it.molecule);
+  };
+
+  // the atoms have to be asked only where they are now, or in a group that changes
+
+  if (region || group->dynamic[igroup]) {
+    if (region) region->prematch();
+    for (const auto &it : DCMCellTable::gather(lmp, true)) {
+      const int row = table.find(it.molecule);
+      if (row >= 0 && (!region || region->match(it.x[0], it.x[1], it.x[2]))) consider(row, it.mask);
+    }
+  } else {
+    for (int row = 0; row < (int) table.all().size(); row++) consider(row, table[row].mask);
   }
   if (!variable.empty()) {
     const auto values = dcm_cell_variable(lmp, variable, molecules);
@@ -175,27 +196,47 @@ std::vector<tagint> FixDCMDeath::condemned()
   return molecules;
 }
 
+/* ----------------------------------------------------------------------
+   linearly to nothing; a cell is taken away before that
+------------------------------------------------------------------------- */
+
+void FixDCMDeath::shrink_all()
+{
+  rest.begin(cell);
+  const auto &table = cell->cells();
+  for (auto &it : shrinking) {
+    const int row = table.find(it.first);
+    if (row < 0) continue;
+    double &left = it.second.left;
+    left -= update->dt;
+    const double part = left + update->dt > 0.0 ? left / (left + update->dt) : 1.0;
+    if (part > 0.0) rest.set(row, table[row].volume0 * part);
+  }
+  if (rest.apply()) next_reneighbor = update->ntimestep;
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixDCMDeath::initial_integrate(int /*vflag*/)
 {
+  auto &table = cell->change_cells();
   gone.clear();
+  if (!shrinking.empty()) shrink_all();
   for (auto it = shrinking.begin(); it != shrinking.end();) {
-    const auto *const entry = growth->find(*it);
-    const bool over =
-        entry && (entry->fading <= 0.5 * update->dt || entry->volume0 <= LEAST * entry->dying0);
-    if (over) gone.push_back(*it);
-    it = over || !entry ? shrinking.erase(it) : std::next(it);
+    const int row = table.find(it->first);
+    const bool over = row >= 0 && (it->second.left <= 0.5 * update->dt ||
+                                   table[row].volume0 <= LEAST * it->second.from);
+    if (over) gone.push_back(it->first);
+    it = over || row < 0 ? shrinking.erase(it) : std::next(it);
   }
   if (update->ntimestep % nevery == 0) {
     for (const tagint molecule : condemned()) {
-      if (shrink > 0.0) {
-        growth->fade(molecule, shrink);
-        shrinking.insert(molecule);
-      } else {
-        growth->fade(molecule, update->dt);    // no one else is to act on it in this step
+      const int row = table.find(molecule);
+      table.set_phase(row, DCMCellTable::DYING);    // no one else is to act on it
+      if (shrink > 0.0)
+        shrinking[molecule] = {shrink, table[row].volume0};
+      else
         gone.push_back(molecule);
-      }
     }
   }
   std::sort(gone.begin(), gone.end());
@@ -210,9 +251,10 @@ void FixDCMDeath::pre_exchange()
 
   // another fix may have divided or taken away a cell in this very step
 
+  auto &table = cell->change_cells();
   gone.erase(std::remove_if(gone.begin(), gone.end(),
-                            [this](tagint molecule) {
-                              return !growth->find(molecule);
+                            [&table](tagint molecule) {
+                              return table.find(molecule) < 0;
                             }),
              gone.end());
   DCMCellSurgery surgery(lmp, STYLE);
@@ -220,11 +262,11 @@ void FixDCMDeath::pre_exchange()
   surgery.remove(gone);
   surgery.end();
   for (const tagint molecule : gone) {
-    const auto &it = *growth->find(molecule);
+    const auto it = table[table.find(molecule)];
     if (log)
-      utils::print(log, "{} {:.10g} {} {} {} {:.8g}\n", update->ntimestep, growth->time(), molecule,
+      utils::print(log, "{} {:.10g} {} {} {} {:.8g}\n", update->ntimestep, table.time(), molecule,
                    it.deformable ? "dcm" : "cbm", reason(), it.volume0);
-    growth->remove(molecule);
+    table.removed(molecule);
     removed++;
   }
   if (log) fflush(log);
@@ -247,25 +289,42 @@ std::string FixDCMDeath::reason() const
 void FixDCMDeath::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
-  std::vector<bigint> list = {removed};
-  list.insert(list.end(), shrinking.begin(), shrinking.end());
-  const int size = (int) ((list.size() + 1) * sizeof(bigint));
-  const bigint n = (bigint) list.size();
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(&n, sizeof(bigint), 1, fp);
-  fwrite(list.data(), sizeof(bigint), list.size(), fp);
+  std::vector<tagint> molecules;
+  std::vector<Shrinking> states;
+  for (const auto &it : shrinking) {
+    molecules.push_back(it.first);
+    states.push_back(it.second);
+  }
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.put(removed);
+  record.put(molecules);
+  record.put(states);
+  record.write(fp);
 }
 
 void FixDCMDeath::restart(char *buf)
 {
-  bigint n;
-  memcpy(&n, buf, sizeof(bigint));
-  std::vector<bigint> list(n);
-  memcpy(list.data(), buf + sizeof(bigint), n * sizeof(bigint));
-  removed = list[0];
+  std::vector<tagint> molecules;
+  std::vector<Shrinking> states;
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.load(buf);
+  record.get(removed);
+  record.get(molecules);
+  record.get(states);
   shrinking.clear();
-  for (bigint k = 1; k < n; k++) shrinking.insert((tagint) list[k]);
+  for (size_t n = 0; n < molecules.size(); n++) shrinking[molecules[n]] = states[n];
   continued = true;
+}
+
+/* ----------------------------------------------------------------------
+   a dying cell that takes another form goes on shrinking
+------------------------------------------------------------------------- */
+
+void FixDCMDeath::cell_converted(int row, double volume0_before)
+{
+  const auto &it = cell->cells()[row];
+  const auto found = shrinking.find(it.molecule);
+  if (found != shrinking.end()) found->second.from *= it.volume0 / volume0_before;
 }
 
 /* ----------------------------------------------------------------------

@@ -17,10 +17,13 @@ FixStyle(dcm/death,FixDCMDeath);
 #ifndef LMP_FIX_DCM_DEATH_H
 #define LMP_FIX_DCM_DEATH_H
 
+#include "dcm_request.h"
+#include "dcm_rest_change.h"
+#include "dcm_role.h"
 #include "fix.h"
 
 #include <cstdint>
-#include <set>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,11 +32,12 @@ namespace LAMMPS_NS {
 // Takes away the cells of its group that meet all given criteria, at once or after they have
 // shrunk to nothing.
 
-class FixDCMDeath : public Fix {
+class FixDCMDeath : public Fix, public DCMRole {
  public:
   FixDCMDeath(class LAMMPS *, int, char **);
   ~FixDCMDeath() override;
   int setmask() override;
+  void post_constructor() override;
   void init() override;
   void setup(int) override;
   void initial_integrate(int) override;
@@ -42,8 +46,16 @@ class FixDCMDeath : public Fix {
   void restart(char *) override;
   double compute_scalar() override;
 
+  void cell_converted(int, double) override;
+
  private:
-  class FixDCMGrowth *growth;
+  struct Shrinking {
+    double left, from;    // time until the rest volume is gone, rest volume when it began
+  };
+
+  class FixDCMCell *cell;
+  DCMRequest<> spheres;
+  DCMRestChange rest;
   std::string region_id, variable;
   class Region *region;
   double age;       // < 0: not asked
@@ -55,9 +67,10 @@ class FixDCMDeath : public Fix {
   FILE *log;
   bool continued;
   bigint removed;
-  std::vector<tagint> gone;      // to take away in this step
-  std::set<tagint> shrinking;    // cells that this fix made shrink
+  std::vector<tagint> gone;                 // to take away in this step
+  std::map<tagint, Shrinking> shrinking;    // cells that this fix made shrink
 
+  void shrink_all();
   std::vector<tagint> condemned();
   std::string reason() const;
 };

@@ -10,15 +10,16 @@
 
 #include "fix_dcm_division.h"
 
+#include "atom_vec_dcm.h"
 #include "bond_dcm_cortex.h"
 #include "comm.h"
-#include "dcm_gather.h"
+#include "dcm_cell_variable.h"
 #include "dcm_parameters.h"
+#include "dcm_record.h"
 #include "law/random.h"
 #include "dihedral_dcm_bend.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
-#include "fix_dcm_growth.h"
 #include "fix_dcm_volume.h"
 #include "force.h"
 #include "modify.h"
@@ -36,6 +37,7 @@ using namespace FixConst;
 using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/division";
+static constexpr int RECORD = 1;    // version of the restart record
 
 // softening begins with this factor on modulus and adhesion
 
@@ -47,12 +49,11 @@ static constexpr double SOFTEST = 1.0e-3;
 ------------------------------------------------------------------------- */
 
 FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), growth(nullptr), cell(nullptr), contact(nullptr), seed(0),
-    plane_mode(RANDOM), given(Vec3::UnitX()), sphere_mode(SOFTEN), sphere_value(600.0),
-    log(nullptr), continued(false), ndcm(0), ncbm(0), iterations(0), seconds(0.0), outside(0.0),
-    quality(1.0)
+    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), seed(0), plane_mode(RANDOM),
+    given(Vec3::UnitX()), sphere_mode(SOFTEN), sphere_value(600.0), log(nullptr), continued(false),
+    ndcm(0), ncbm(0), iterations(0), seconds(0.0), outside(0.0), quality(1.0)
 {
-  FixDCMGrowth::require(lmp, STYLE);
+  AtomVecDCM::require(lmp, STYLE);
   if (!modify->get_fix_by_style("^dcm/division$").empty())
     error->all(FLERR, "There is a fix dcm/division already (ID {}); a deck has at most one",
                modify->get_fix_by_style("^dcm/division$")[0]->id);
@@ -141,22 +142,34 @@ int FixDCMDivision::setmask()
   return INITIAL_INTEGRATE | PRE_EXCHANGE;
 }
 
+void FixDCMDivision::post_constructor()
+{
+  FixDCMCell::ensure(lmp, STYLE);
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixDCMDivision::init()
 {
-  growth = FixDCMGrowth::require(lmp, STYLE);
-  cell = nullptr;
-  if (!modify->get_fix_by_style("^dcm/cell$").empty()) cell = FixDCMCell::require(lmp, STYLE);
+  cell = FixDCMCell::require(lmp, STYLE);
+  spheres = cell->request_spheres();
+  cell->refresh();
+  cell->cells().require_ids(STYLE);
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
+  if (!(traits_of(lmp) & MAKES_READY))
+    error->all(FLERR,
+               "{}: nothing in the deck makes cells ready to divide; it needs a fix dcm/growth, or "
+               "another style that does",
+               STYLE);
 
   if (plane_mode == VARIABLE)
     for (const auto &name : variable_name) dcm_check_variable(lmp, STYLE, name);
   DCMCellSurgery::check_order(lmp, this, STYLE);
 
+  const auto &table = cell->cells();
   const bool deformable =
-      std::any_of(growth->book.begin(), growth->book.end(), [](const FixDCMGrowth::Entry &it) {
-        return it.deformable && it.cycle > 0.0;
+      std::any_of(table.all_deformable().begin(), table.all_deformable().end(), [&table](int row) {
+        return table.value("cycle_time", row, 1.0) > 0.0;
       });
   if (deformable) DCMCellSurgery::require_laws(lmp, STYLE);
   if (!sisters.empty()) hold_back_sisters();
@@ -171,10 +184,10 @@ void FixDCMDivision::init()
 void FixDCMDivision::setup(int /*vflag*/)
 {
   DCMCellSurgery surgery(lmp, STYLE);
-  for (const auto &it : growth->book) {
-    const int c = it.deformable && it.cycle > 0.0 ? cell->find_cell(it.molecule) : -1;
-    if (c >= 0) surgery.builder.reserve_slots(round_mesh(surgery, cell->cells[c].nnodes).slots);
-  }
+  const auto &table = cell->cells();
+  for (const int row : table.all_deformable())
+    if (table.value("cycle_time", row, 1.0) > 0.0)
+      surgery.builder.reserve_slots(round_mesh(surgery, table[row].nnodes).slots);
   if (log_name.empty() || log || comm->me != 0) return;
   log = fopen(log_name.c_str(), continued ? "a" : "w");
   if (!log) error->one(FLERR, "{}: cannot open log {}: {}", STYLE, log_name, utils::getsyserror());
@@ -194,8 +207,8 @@ void FixDCMDivision::initial_integrate(int /*vflag*/)
 {
   if (!sisters.empty()) hold_back_sisters();
   ready.clear();
-  for (const auto &it : growth->book)
-    if (it.phase == FixDCMGrowth::READY) ready.push_back(it.molecule);
+  for (const auto &it : cell->cells().all())
+    if (it.phase == DCMCellTable::READY) ready.push_back(it.molecule);
   if (ready.empty()) return;
   next_reneighbor = update->ntimestep;
   if (plane_mode == VARIABLE) evaluate_variables();
@@ -230,10 +243,11 @@ void FixDCMDivision::pre_exchange()
 
   // another fix may have condemned a cell in this very step
 
+  const auto &table = cell->cells();
   ready.erase(std::remove_if(ready.begin(), ready.end(),
-                             [this](tagint molecule) {
-                               const auto *const it = growth->find(molecule);
-                               return !it || it->phase != FixDCMGrowth::READY;
+                             [&table](tagint molecule) {
+                               const int row = table.find(molecule);
+                               return row < 0 || table[row].phase != DCMCellTable::READY;
                              }),
               ready.end());
   DCMCellSurgery surgery(lmp, STYLE);
@@ -286,9 +300,10 @@ void FixDCMDivision::hold_back_sisters()
   }
   const auto forces = contact->sister_forces();
   const auto &listed = contact->sisters();
-  const double now = growth->time();
+  const auto &table = cell->cells();
+  const double now = table.time();
   auto relaxed = [&](const Pair &it) {
-    if (!growth->find(it.molecule) || !growth->find(it.other)) return true;
+    if (table.find(it.molecule) < 0 || table.find(it.other) < 0) return true;
     if (sphere_mode == SOFTEN) return now - it.since >= sphere_value;
     for (size_t n = 0; n < listed.size(); n++)
       if (listed[n].molecule == it.molecule && listed[n].other == it.other)
@@ -316,13 +331,15 @@ void FixDCMDivision::write_log(const DCMCellSurgery::Cell &mother, const Vec3 &a
                                double volume2, int niter)
 {
   if (!log) return;
-  const auto &it = *growth->find(mother.molecule);
+  const auto &table = cell->cells();
+  const int row = table.find(mother.molecule);
   utils::print(log,
                "{} {:.10g} {} {} {} {} {} {:.8f} {:.8f} {:.8f} {:.8g} {:.8g} {:.8g} {} {:.6g} "
                "{:.6g}\n",
-               update->ntimestep, growth->time(), mother.molecule, daughters[0], daughters[1],
-               it.generation + 1, it.deformable ? "dcm" : "cbm", axis[0], axis[1], axis[2], volume,
-               volume1, volume2, niter, it.pressure_before, it.pressure);
+               update->ntimestep, table.time(), mother.molecule, daughters[0], daughters[1],
+               table[row].generation + 1, table[row].deformable ? "dcm" : "cbm", axis[0], axis[1],
+               axis[2], volume, volume1, volume2, niter, table.value("pressure_before", row),
+               table.value("pressure_rounding", row));
   fflush(log);
 }
 
@@ -331,29 +348,26 @@ void FixDCMDivision::write_log(const DCMCellSurgery::Cell &mother, const Vec3 &a
 void FixDCMDivision::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
-  const bigint numbers[4] = {ndcm, ncbm, iterations, (bigint) sisters.size()};
-  const double reals[2] = {outside, quality};
-  const int size = (int) (sizeof(numbers) + sizeof(reals) + sisters.size() * sizeof(Pair));
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(numbers, sizeof(bigint), 4, fp);
-  fwrite(reals, sizeof(double), 2, fp);
-  fwrite(sisters.data(), sizeof(Pair), sisters.size(), fp);
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.put(ndcm);
+  record.put(ncbm);
+  record.put(iterations);
+  record.put(outside);
+  record.put(quality);
+  record.put(sisters);
+  record.write(fp);
 }
 
 void FixDCMDivision::restart(char *buf)
 {
-  bigint numbers[4];
-  double reals[2];
-  memcpy(numbers, buf, sizeof(numbers));
-  memcpy(reals, buf + sizeof(numbers), sizeof(reals));
-  ndcm = numbers[0];
-  ncbm = numbers[1];
-  iterations = numbers[2];
-  outside = reals[0];
-  quality = reals[1];
-  sisters.resize(numbers[3]);
-  memcpy((void *) sisters.data(), buf + sizeof(numbers) + sizeof(reals),
-         sisters.size() * sizeof(Pair));
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.load(buf);
+  record.get(ndcm);
+  record.get(ncbm);
+  record.get(iterations);
+  record.get(outside);
+  record.get(quality);
+  record.get(sisters);
   continued = true;
 }
 

@@ -19,6 +19,8 @@ FixStyle(dcm/division,FixDCMDivision);
 
 #include "law/division.h"
 #include "dcm_cell_surgery.h"
+#include "dcm_request.h"
+#include "dcm_role.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -28,15 +30,17 @@ FixStyle(dcm/division,FixDCMDivision);
 
 namespace LAMMPS_NS {
 
-// Division of the cells that fix dcm/growth reports ready (S1 "Cell cycle and cell division",
-// "CBM: Cell division"). A deformable cell gives two whose shapes come from law/division.h, a
-// center-based one two spheres in its space, whose contact is held back until they have relaxed.
+// Division of the cells that are READY, by fix dcm/growth for instance (S1 "Cell cycle and cell
+// division", "CBM: Cell division"). A deformable cell gives two whose shapes come from
+// law/division.h, a center-based one two spheres in its space, whose contact is held back until
+// they have relaxed.
 
-class FixDCMDivision : public Fix {
+class FixDCMDivision : public Fix, public DCMRole {
  public:
   FixDCMDivision(class LAMMPS *, int, char **);
   ~FixDCMDivision() override;
   int setmask() override;
+  void post_constructor() override;
   void init() override;
   void setup(int) override;
   void initial_integrate(int) override;
@@ -45,6 +49,8 @@ class FixDCMDivision : public Fix {
   void restart(char *) override;
   double compute_vector(int) override;
   double memory_usage() override;
+
+  unsigned traits() const override { return MAKES_CELLS; }
 
  private:
   enum Plane { RANDOM, LONG, GIVEN, VARIABLE };
@@ -65,8 +71,8 @@ class FixDCMDivision : public Fix {
     double since;
   };
 
-  class FixDCMGrowth *growth;
   class FixDCMCell *cell;
+  DCMRequest<> spheres;
   class PairDCMContact *contact;
   std::uint64_t seed;
   Plane plane_mode;
@@ -98,6 +104,7 @@ class FixDCMDivision : public Fix {
   void grow(std::vector<Job> &);
   void check(const Job &) const;
   void insert(DCMCellSurgery &, Job &);
+  static std::vector<int> regions_of(const Job &, const std::vector<dcm::Vec3> &);
   void insert_spheres(DCMCellSurgery &, const DCMCellSurgery::Cell &);
   void hold_back_sisters();
   void write_log(const DCMCellSurgery::Cell &, const dcm::Vec3 &axis, const tagint *daughters,

@@ -12,12 +12,12 @@
 
 #include "fix_dcm_division.h"
 
+#include "atom_vec_dcm.h"
 #include "bond_dcm_cortex.h"
 #include "comm.h"
 #include "dihedral_dcm_bend.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
-#include "fix_dcm_growth.h"
 #include "fix_dcm_volume.h"
 #include "force.h"
 #include "modify.h"
@@ -80,16 +80,17 @@ FixDCMDivision::Job FixDCMDivision::prepare(DCMCellSurgery &surgery,
   job.material.ks = cortex->stiffness(mother.types.bond);
   job.material.kb = bend->stiffness(mother.types.dihedral);
   job.material.flat = !bend->rest_angles(mother.types.dihedral);
-  const FixDCMCell::Cell &it = cell->cells[cell->find_cell(mother.molecule)];
+  const auto &table = cell->cells();
+  const int row = table.find(mother.molecule);
   for (auto *fix : modify->get_fix_by_style("^dcm/volume$"))
     job.material.K_V =
-        std::max(job.material.K_V, dynamic_cast<FixDCMVolume *>(fix)->bulk_modulus(it));
+        std::max(job.material.K_V, dynamic_cast<FixDCMVolume *>(fix)->bulk_modulus(table[row]));
   if (job.material.K_V <= 0.0)
     error->all(FLERR, "{}: cell {} is to divide at step {} but no fix dcm/volume acts on it", STYLE,
                mother.molecule, update->ntimestep);
 
   // before rounding up
-  const double length = growth->find(mother.molecule)->length;
+  const double length = table.value("rounding_factor", row, 1.0);
   job.rest = dcm::rest_factor(mother.mesh, mother.l0, mother.volume0, job.round->mesh) / length;
   job.rest = rounded(job.rest, ROUNDING);
   return job;
@@ -159,6 +160,30 @@ void FixDCMDivision::check(const Job &job) const
 }
 
 /* ----------------------------------------------------------------------
+   faces of a daughter take the region of the mother's face they lie on, those at the division plane
+   are new surface: lateral. Empty if the mother is lateral all over
+------------------------------------------------------------------------- */
+
+std::vector<int> FixDCMDivision::regions_of(const Job &job, const std::vector<Vec3> &x)
+{
+  const auto &mother = job.mother.region;
+  std::vector<int> regions;
+  if (std::all_of(mother.begin(), mother.end(), [](int region) {
+        return region == AtomVecDCM::LATERAL;
+      }))
+    return regions;
+  const dcm::Envelope envelope(job.mother.mesh);
+  for (const auto &v : job.round->mesh.faces) {
+    const Vec3 mid = (x[v[0]] + x[v[1]] + x[v[2]]) / 3.0;
+    const auto nearest = envelope.nearest(mid, -1);
+    const double from_plane = std::fabs(job.plane.normal.dot(mid - job.plane.point));
+    regions.push_back(from_plane < std::fabs(nearest.distance) ? AtomVecDCM::LATERAL
+                                                               : mother[nearest.face]);
+  }
+  return regions;
+}
+
+/* ----------------------------------------------------------------------
    two deformable daughters at rest as round cells of half the mother's rest volume
 ------------------------------------------------------------------------- */
 
@@ -176,8 +201,9 @@ void FixDCMDivision::insert(DCMCellSurgery &surgery, Job &job)
     // rest lengths of the rest volume again; below the mother's if slack was taken up
     const double rest = d.rest * std::cbrt(job.volume / job.mother.volume0);
     DCMCellBuilder::set_round_rest(top, rest, daughter);
-    daughter.molecule = molecule[side] = growth->new_molecule();
+    daughter.molecule = molecule[side] = cell->change_cells().new_molecule();
     daughter.x = d.mesh.nodes;
+    daughter.region = regions_of(job, d.mesh.nodes);
     surgery.insert(job.mother.types, top, daughter);
     iterations += d.iterations;
     outside = std::max(outside, d.outside / dcm::ball_radius(d.volume));
@@ -186,7 +212,7 @@ void FixDCMDivision::insert(DCMCellSurgery &surgery, Job &job)
   ndcm++;
   write_log(job.mother, job.plane.normal, molecule, job.volume, job.daughter[0].volume,
             job.daughter[1].volume, job.daughter[0].iterations + job.daughter[1].iterations);
-  growth->divide(*growth->find(job.mother.molecule), molecule[0], molecule[1], 0.5 * job.volume);
+  cell->change_cells().divided(job.mother.molecule, molecule[0], molecule[1], job.volume);
 }
 
 /* ----------------------------------------------------------------------
@@ -203,13 +229,13 @@ void FixDCMDivision::insert_spheres(DCMCellSurgery &surgery, const DCMCellSurger
 
   tagint molecule[2];
   for (int side = 0; side < 2; side++) {
-    daughter.molecule = molecule[side] = growth->new_molecule();
+    daughter.molecule = molecule[side] = cell->change_cells().new_molecule();
     daughter.x = mother.x + (side == 0 ? 1.0 : -1.0) * (mother.radius - daughter.radius) * axis;
     surgery.insert(mother.types, daughter);
   }
   ncbm++;
-  sisters.push_back({molecule[0], molecule[1], growth->time()});
+  sisters.push_back({molecule[0], molecule[1], cell->cells().time()});
   const double volume = dcm::ball_volume(mother.radius);
   write_log(mother, axis, molecule, volume, 0.5 * volume, 0.5 * volume, 0);
-  growth->divide(*growth->find(mother.molecule), molecule[0], molecule[1], 0.5 * volume);
+  cell->change_cells().divided(mother.molecule, molecule[0], molecule[1], volume);
 }

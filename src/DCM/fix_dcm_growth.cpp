@@ -13,8 +13,8 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
-#include "dcm_gather.h"
 #include "dcm_parameters.h"
+#include "dcm_record.h"
 #include "law/volume.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
@@ -41,9 +41,13 @@ static constexpr double DONE = 1.0 - 1.0e-9;
 
 static constexpr double MOST_GROWTH = 2.5;
 
-// growth of a sphere's radius after which the neighbor list is rebuilt, in skins
+static constexpr int RECORD = 1;    // version of the restart record
 
-static constexpr double REBUILD = 0.02;
+// names of the numbers of a Cycle, as compute dcm/cell prints them
+
+static const std::vector<std::string> FIELDS = {
+    "in_cycle", "cycle_time",      "volume_born",     "volume_newborn",
+    "progress", "rounding_factor", "pressure_before", "pressure_rounding"};
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/growth FILE name1..nameN seed S [cycle_time v] [cycle_sd v]
@@ -52,11 +56,11 @@ static constexpr double REBUILD = 0.02;
 ------------------------------------------------------------------------- */
 
 FixDCMGrowth::FixDCMGrowth(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), seed(0), law(dcm::GrowthLaw::LINEAR),
-    half(0.0), exponent(1.0), rounding(0.05), shortening(0.95), until_volume(false),
-    random_age(false), newborn(0.0), next_molecule(0), births(0), deaths(0)
+    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), rest(lmp), seed(0),
+    law(dcm::GrowthLaw::LINEAR), half(0.0), exponent(1.0), rounding(0.05), shortening(0.95),
+    until_volume(false), random_age(false), newborn(0.0), births(0), deaths(0)
 {
-  dcm = AtomVecDCM::require(lmp, STYLE);
+  AtomVecDCM::require(lmp, STYLE);
   if (!modify->get_fix_by_style("^dcm/growth$").empty())
     error->all(FLERR, "There is a fix dcm/growth already (ID {}); a deck has at most one",
                modify->get_fix_by_style("^dcm/growth$")[0]->id);
@@ -69,7 +73,7 @@ FixDCMGrowth::FixDCMGrowth(LAMMPS *lmp, int narg, char **arg) :
   scalar_flag = vector_flag = array_flag = 1;
   size_vector = 8;
   size_array_rows = atom->ntypes;
-  size_array_cols = NPHASE;
+  size_array_cols = DCMCellTable::NPHASE;
   extscalar = extvector = extarray = 0;
   global_freq = 1;
   restart_global = 1;
@@ -141,32 +145,21 @@ int FixDCMGrowth::parse_keyword(int narg, char **arg)
 
 int FixDCMGrowth::setmask()
 {
-  return INITIAL_INTEGRATE | POST_NEIGHBOR;
+  return INITIAL_INTEGRATE;
 }
 
-FixDCMGrowth *FixDCMGrowth::require(LAMMPS *lmp, const std::string &asking)
+void FixDCMGrowth::post_constructor()
 {
-  AtomVecDCM::require(lmp, asking);
-  const auto found = lmp->modify->get_fix_by_style("^dcm/growth$");
-  if (found.empty())
-    lmp->error->all(FLERR,
-                    "{} needs a fix dcm/growth, which keeps the book of cells; define it before",
-                    asking);
-  return dynamic_cast<FixDCMGrowth *>(found[0]);
-}
-
-double FixDCMGrowth::time() const
-{
-  return update->atime + (double) (update->ntimestep - update->atimestep) * update->dt;
+  FixDCMCell::ensure(lmp, STYLE);
 }
 
 /* ---------------------------------------------------------------------- */
 
 void FixDCMGrowth::init()
 {
-  dcm = AtomVecDCM::require(lmp, STYLE);
-  cell = nullptr;
-  if (!modify->get_fix_by_style("^dcm/cell$").empty()) cell = FixDCMCell::require(lmp, STYLE);
+  cell = FixDCMCell::require(lmp, STYLE);
+  spheres = cell->request_spheres();
+  cycles = cell->change_cells().add(STYLE, "growth", DCMColumn::INHERIT, 0.0, FIELDS, cycles);
 
   fraction.assign(atom->ntypes + 1, -1.0);
   for (size_t n = 0; n < fraction_names.size(); n++) {
@@ -188,37 +181,78 @@ void FixDCMGrowth::init()
   bulk_modulus.assign(atom->ntypes + 1, 0.0);
   if (half > 0.0) {
     contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
-    if (contact) contact->request_virial();
+    if (contact) virial = contact->request_virial();
     for (int t = 1; t <= atom->ntypes; t++) {
       if (!parameters->used(t)) continue;
-      const bool spheres = std::any_of(book.begin(), book.end(), [t](const Entry &it) {
-        return !it.deformable && it.type == t && it.cycle > 0.0;
+      const int nspheres = count([t](const DCMCellTable::Cell &it, const Cycle &mine) {
+        return !it.deformable && it.type == t && mine.duration > 0.0;
       });
-      bulk_modulus[t] = spheres ? parameters->get(t, "K_V", DCMParameters::POSITIVE)
-                                : parameters->get(t, "K_V", DCMParameters::NONNEGATIVE, 0.0);
+      bulk_modulus[t] = nspheres ? parameters->get(t, "K_V", DCMParameters::POSITIVE)
+                                 : parameters->get(t, "K_V", DCMParameters::NONNEGATIVE, 0.0);
     }
   }
   next_reneighbor = -1;
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   cells of the group that do not grow yet, and out with those that are not in it any more
+------------------------------------------------------------------------- */
 
-void FixDCMGrowth::setup_post_neighbor()
+void FixDCMGrowth::enroll()
 {
-  post_neighbor();
+  cell->refresh();
+  auto &table = cell->change_cells();
+  table.require_ids(STYLE);
+  for (int row = 0; row < (int) table.all().size(); row++) {
+    const auto &it = table[row];
+    Cycle mine = cycles->load<Cycle>(row);
+    const bool wanted = (it.mask & groupbit) && parameters->used(it.type);
+    if (wanted == (mine.member > 0.0)) continue;
+    mine = wanted ? newcomer(row) : Cycle();
+    if (!wanted) table.set_phase(row, DCMCellTable::QUIESCENT);
+    cycles->store(row, mine);
+  }
 }
 
-void FixDCMGrowth::post_neighbor()
+/* ----------------------------------------------------------------------
+   a cell without mother: newborn, unless its size or the deck says otherwise
+------------------------------------------------------------------------- */
+
+FixDCMGrowth::Cycle FixDCMGrowth::newcomer(int row)
 {
-  const int nall = atom->nlocal + atom->nghost;
-  entry_of.assign(nall, -1);
-  for (int i = 0; i < nall; i++) {
-    if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
-    const Entry *it = find(atom->molecule[i]);
-    if (it) entry_of[i] = (int) (it - book.data());
+  const auto &cell_row = cell->cells()[row];
+  const double volume0 = cell_row.volume0;
+  Cycle it = {};
+  it.member = it.length = 1.0;
+  draw_cycle(row, it);
+  double grown = 0.0;
+  if (newborn > 0.0 && it.duration > 0.0) {
+    grown = dcm::growth_progress(law, volume0 / newborn);
+    if (grown < -1.0e-9 || grown > 1.0 + 1.0e-9)
+      error->all(FLERR,
+                 "{}: cell {} has rest volume {}, not between newborn {} and twice that; change "
+                 "its size or keyword newborn",
+                 STYLE, cell_row.molecule, volume0, newborn);
+    grown = std::max(0.0, std::min(1.0, grown));
+  } else if (random_age) {
+    grown = dcm::Random(seed, cell_row.molecule, 1, dcm::RandomPurpose::CYCLE).uniform();
   }
-  built_radius.resize(book.size());
-  for (size_t n = 0; n < book.size(); n++) built_radius[n] = dcm::ball_radius(book[n].volume0);
+  it.born = volume0 / dcm::growth_factor(law, grown);
+  it.progress = grown * (1.0 - rounding);
+  return it;
+}
+
+void FixDCMGrowth::draw_cycle(int row, Cycle &mine)
+{
+  auto &table = cell->change_cells();
+  const auto &it = table[row];
+  const double mean = parameters->get(it.type, "cycle_time", DCMParameters::NONNEGATIVE, 0.0);
+  const double sd = parameters->get(it.type, "cycle_sd", DCMParameters::NONNEGATIVE, 0.0);
+  mine.duration =
+      mean > 0.0
+          ? dcm::cycle_time(mean, sd, dcm::Random(seed, it.molecule, 0, dcm::RandomPurpose::CYCLE))
+          : 0.0;
+  table.set_phase(row, mine.duration > 0.0 ? DCMCellTable::GROWING : DCMCellTable::QUIESCENT);
 }
 
 /* ----------------------------------------------------------------------
@@ -230,113 +264,64 @@ void FixDCMGrowth::initial_integrate(int /*vflag*/)
 {
   hold_fractions();
   if (contact) measure_spheres();
-  if (cell) lengths.assign(cell->cells.size(), 1.0);
-
-  bool changed = false;
-  double grown = 0.0;
-  for (size_t n = 0; n < book.size(); n++) {
-    Entry &it = book[n];
-    const double rate =
-        half > 0.0 && it.phase == GROWING ? dcm::hill_rate(strain(it, n), half, exponent) : 1.0;
-    const double before = it.volume0;
-    const double factor = advance(it, rate);
-    if (it.deformable) {
-      const int c = cell ? cell->find_cell(it.molecule) : -1;
-      if (c < 0) continue;
-      FixDCMCell::Cell &mine = cell->cells[c];
-      if (it.phase == ROUNDING || it.phase == READY)
-        it.pressure = std::max(it.pressure, mine.pressure);
-      if (it.volume0 == before && factor == 1.0) continue;
-      mine.volume0 = it.volume0;
-      lengths[c] = factor * std::cbrt(it.volume0 / before);
-    } else {
-      if (it.volume0 == before) continue;
-      grown = std::max(grown, std::fabs(dcm::ball_radius(it.volume0) - built_radius[n]));
-    }
-    changed = true;
-  }
-  if (changed) apply();
-  if (grown > REBUILD * neighbor->skin) next_reneighbor = update->ntimestep;
+  rest.begin(cell);
+  const int ncells = (int) cell->cells().all().size();
+  for (int row = 0; row < ncells; row++)
+    if ((*cycles)(row) > 0.0) advance(row);    // its first number: is it a member?
+  if (rest.apply()) next_reneighbor = update->ntimestep;
 }
 
 /* ----------------------------------------------------------------------
-   one cell, one step; returns the factor on rest lengths by rounding up
+   one cell, one step
 ------------------------------------------------------------------------- */
 
-double FixDCMGrowth::advance(Entry &it, double rate)
+void FixDCMGrowth::advance(int row)
 {
-  const double growth = 1.0 - rounding, dt = update->dt;
-  const double before = it.length, rest_before = it.volume0;
+  auto &table = cell->change_cells();
+  const auto &it = table[row];
+  if (it.phase == DCMCellTable::QUIESCENT || it.phase == DCMCellTable::DYING) return;
+  Cycle mine = cycles->load<Cycle>(row);
+  const double growth = 1.0 - rounding, dt = update->dt, length_before = mine.length;
+  double volume0 = it.volume0;
 
-  if (it.phase == GROWING) {
+  if (it.phase == DCMCellTable::GROWING) {
+    const double rate = half > 0.0 ? dcm::hill_rate(strain(row), half, exponent) : 1.0;
     const double most = growth * (until_volume ? dcm::growth_progress(law, MOST_GROWTH) : 1.0);
-    it.progress += rate * dt / it.cycle;
-    it.volume0 = it.born * dcm::growth_factor(law, std::min(it.progress, most) / growth);
-    bool done = it.progress >= growth * DONE;
+    mine.progress += rate * dt / mine.duration;
+    volume0 = mine.born * dcm::growth_factor(law, std::min(mine.progress, most) / growth);
+    bool done = mine.progress >= growth * DONE;
     if (until_volume) {
       // cells that were there from the start: the volume they had at birth, by their law
-      if (it.newborn == 0.0) it.newborn = volume_of(it) * it.born / rest_before;
-      done = volume_of(it) >= 2.0 * it.newborn * DONE;
-      it.progress = done ? growth : std::min(it.progress, most);
+      const double volume = it.deformable ? it.volume : volume0;
+      if (mine.newborn == 0.0) mine.newborn = volume * mine.born / it.volume0;
+      done = volume >= 2.0 * mine.newborn * DONE;
+      mine.progress = done ? growth : std::min(mine.progress, most);
     }
     if (done) {
-      it.phase = ROUNDING;
-      const int c = it.deformable && cell ? cell->find_cell(it.molecule) : -1;
-      it.pressure_before = it.pressure = c >= 0 ? cell->cells[c].pressure : 0.0;
+      table.set_phase(row, DCMCellTable::ROUNDING);
+      mine.pressure_before = mine.pressure = table.value("pressure", row);
     }
-  } else if (it.phase == ROUNDING) {
-    it.progress += dt / it.cycle;
-    const double part = rounding > 0.0 ? (it.progress - growth) / rounding : 1.0;
-    it.length = 1.0 - (1.0 - shortening) * std::max(0.0, std::min(1.0, part));
-  } else if (it.phase == DYING) {
-    it.fading -= dt;
-    // fix dcm/death takes the cell away before nothing is left
-    const double left = it.fading + dt > 0.0 ? it.fading / (it.fading + dt) : 1.0;
-    if (left > 0.0) it.volume0 *= left;
+  } else if (it.phase == DCMCellTable::ROUNDING) {
+    mine.progress += dt / mine.duration;
+    const double part = rounding > 0.0 ? (mine.progress - growth) / rounding : 1.0;
+    mine.length = 1.0 - (1.0 - shortening) * std::max(0.0, std::min(1.0, part));
   }
-  if (it.phase == ROUNDING && it.progress >= DONE) it.phase = READY;
-  return it.length / before;
+  if (it.phase == DCMCellTable::ROUNDING && mine.progress >= DONE)
+    table.set_phase(row, DCMCellTable::READY);
+  if (it.phase == DCMCellTable::ROUNDING || it.phase == DCMCellTable::READY)
+    mine.pressure = std::max(mine.pressure, table.value("pressure", row));
+  cycles->store(row, mine);
+  rest.set(row, volume0, mine.length / length_before);
 }
 
 /* ----------------------------------------------------------------------
-   new rest state of atoms: centers, edges, radii (of ghosts too, without a message)
+   volumetric strain, positive in compression; deformable cells: volume at the end of the last step
 ------------------------------------------------------------------------- */
 
-void FixDCMGrowth::apply()
+double FixDCMGrowth::strain(int row) const
 {
-  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost;
-  for (int i = 0; i < nall; i++) {
-    const int kind = dcm->kind[i];
-    if (kind == AtomVecDCM::SPHERE) {
-      if (entry_of[i] >= 0) atom->radius[i] = dcm::ball_radius(book[entry_of[i]].volume0);
-    } else if (i < nlocal && kind == AtomVecDCM::CENTER) {
-      dcm->volume0[i] = cell->cells[cell->cell_of[i]].volume0;
-    } else if (i < nlocal && kind == AtomVecDCM::NODE) {
-      const double factor = lengths[cell->cell_of[i]];
-      if (factor == 1.0) continue;
-      for (int m = 0; m < atom->num_bond[i]; m++)
-        if (dcm->l0[i][m] > 0.0) dcm->l0[i][m] *= factor;
-    }
-  }
-}
-
-/* ----------------------------------------------------------------------
-   volume at the end of the last step
-------------------------------------------------------------------------- */
-
-double FixDCMGrowth::volume_of(const Entry &it) const
-{
-  const int c = it.deformable && cell ? cell->find_cell(it.molecule) : -1;
-  return c >= 0 ? cell->cells[c].volume : it.volume0;
-}
-
-/* ----------------------------------------------------------------------
-   volumetric strain, positive in compression
-------------------------------------------------------------------------- */
-
-double FixDCMGrowth::strain(const Entry &it, size_t n) const
-{
-  if (it.deformable) return 1.0 - volume_of(it) / it.volume0;
+  const auto &it = cell->cells()[row];
+  if (it.deformable) return 1.0 - it.volume / it.volume0;
   if (!contact) return 0.0;
   if (bulk_modulus[it.type] == 0.0)
     error->all(
@@ -344,16 +329,18 @@ double FixDCMGrowth::strain(const Entry &it, size_t n) const
         "{}: compression needs K_V of cell type {}, of which cell {} is a sphere; add it to the "
         "parameter file or give keyword K_V",
         STYLE, parameters->name(it.type), it.molecule);
-  return sphere_pressure[n] / bulk_modulus[it.type];
+  return sphere_pressure[row] / bulk_modulus[it.type];
 }
 
 void FixDCMGrowth::measure_spheres()
 {
-  sphere_pressure.assign(book.size(), 0.0);
-  for (int i = 0; i < atom->nlocal; i++)
-    if (entry_of[i] >= 0)
-      sphere_pressure[entry_of[i]] =
-          contact->sphere_virial()[i] / (3.0 * book[entry_of[i]].volume0);
+  const auto &table = cell->cells();
+  sphere_pressure.assign(table.all().size(), 0.0);
+  for (int i = 0; i < atom->nlocal; i++) {
+    const int row = cell->cell_of(i);
+    if (row < 0 || table[row].deformable || !((*cycles)(row) > 0.0)) continue;
+    sphere_pressure[row] = contact->sphere_virial()[i] / (3.0 * table[row].volume0);
+  }
   MPI_Allreduce(MPI_IN_PLACE, sphere_pressure.data(), (int) sphere_pressure.size(), MPI_DOUBLE,
                 MPI_SUM, world);
 }
@@ -366,41 +353,94 @@ void FixDCMGrowth::measure_spheres()
 void FixDCMGrowth::hold_fractions()
 {
   if (fraction_names.empty()) return;
-  std::vector<std::pair<double, size_t>> candidates;
+  auto &table = cell->change_cells();
+  std::vector<std::pair<double, int>> candidates;
   for (const auto &name : fraction_names) {
-    int living = 0, cycling = 0;
+    const auto counts = [&](const DCMCellTable::Cell &it, const Cycle &mine) {
+      return mine.duration > 0.0 && it.phase != DCMCellTable::DYING &&
+             parameters->name(it.type) == name;
+    };
     double wanted = 0.0;
-    for (const auto &it : book) {
-      if (it.cycle == 0.0 || it.phase == DYING || parameters->name(it.type) != name) continue;
+    const int living = count([&](const DCMCellTable::Cell &it, const Cycle &mine) {
+      if (!counts(it, mine)) return false;
       wanted = fraction[it.type];
-      living++;
-      if (it.phase != QUIESCENT) cycling++;
-    }
+      return true;
+    });
+    const int cycling = count([&](const DCMCellTable::Cell &it, const Cycle &mine) {
+      return counts(it, mine) && it.phase != DCMCellTable::QUIESCENT;
+    });
     const int change = (int) std::lround(wanted * living) - cycling;
     if (change == 0) continue;
-    const int from = change > 0 ? QUIESCENT : GROWING, to = change > 0 ? GROWING : QUIESCENT;
+    const auto from = change > 0 ? DCMCellTable::QUIESCENT : DCMCellTable::GROWING;
+    const auto to = change > 0 ? DCMCellTable::GROWING : DCMCellTable::QUIESCENT;
     candidates.clear();
-    for (size_t n = 0; n < book.size(); n++) {
-      const Entry &it = book[n];
-      if (it.cycle == 0.0 || it.phase != from || parameters->name(it.type) != name) continue;
+    for (int row = 0; row < table.size(); row++) {
+      const auto &it = table[row];
+      if (it.phase != from || !counts(it, cycles->load<Cycle>(row))) continue;
       candidates.emplace_back(
           dcm::Random(seed, it.molecule, update->ntimestep, dcm::RandomPurpose::QUIESCENCE)
               .uniform(),
-          n);
+          row);
     }
     std::sort(candidates.begin(), candidates.end());
     candidates.resize(std::min(candidates.size(), (size_t) std::abs(change)));
-    for (const auto &it : candidates) book[it.second].phase = to;
+    for (const auto &it : candidates) table.set_phase(it.second, to);
   }
 }
 
 /* ----------------------------------------------------------------------
-   number of cells
+   cell events
 ------------------------------------------------------------------------- */
+
+void FixDCMGrowth::cell_divided(const DCMCellTable::Division &division)
+{
+  for (const int row : division.daughter) {
+    Cycle mine = cycles->load<Cycle>(row);    // the mother's
+    if (!(mine.member > 0.0)) return;
+    mine.born = cell->cells()[row].volume0;
+    if (mine.newborn == 0.0) mine.newborn = 0.5 * division.volume;    // else sizes would drift
+    mine.progress = 0.0;
+    mine.length = 1.0;
+    mine.pressure_before = mine.pressure = 0.0;
+    draw_cycle(row, mine);
+    cycles->store(row, mine);
+    births++;
+  }
+}
+
+void FixDCMGrowth::cell_removed(int row)
+{
+  if ((*cycles)(row) > 0.0) deaths++;
+}
+
+void FixDCMGrowth::cell_converted(int row, double volume0_before)
+{
+  Cycle mine = cycles->load<Cycle>(row);
+  mine.born *= cell->cells()[row].volume0 / volume0_before;
+  cycles->store(row, mine);
+}
+
+/* ----------------------------------------------------------------------
+   number of cells that take part
+------------------------------------------------------------------------- */
+
+template <class Predicate> int FixDCMGrowth::count(Predicate &&holds) const
+{
+  if (!cycles) return 0;
+  int n = 0;
+  const auto &table = cell->cells();
+  for (int row = 0; row < (int) table.all().size(); row++) {
+    const Cycle mine = cycles->load<Cycle>(row);
+    if (mine.member > 0.0 && holds(table[row], mine)) n++;
+  }
+  return n;
+}
 
 double FixDCMGrowth::compute_scalar()
 {
-  return (double) book.size();
+  return count([](const DCMCellTable::Cell &, const Cycle &) {
+    return true;
+  });
 }
 
 /* ----------------------------------------------------------------------
@@ -409,14 +449,17 @@ double FixDCMGrowth::compute_scalar()
 
 double FixDCMGrowth::compute_vector(int i)
 {
-  if (i < NPHASE)
-    return (double) std::count_if(book.begin(), book.end(), [i](const Entry &it) {
+  if (i < DCMCellTable::NPHASE)
+    return count([i](const DCMCellTable::Cell &it, const Cycle &) {
       return it.phase == i;
     });
-  if (i == NPHASE) return (double) births;
-  if (i == NPHASE + 1) return (double) deaths;
+  if (i == DCMCellTable::NPHASE) return (double) births;
+  if (i == DCMCellTable::NPHASE + 1) return (double) deaths;
   int highest = 0;
-  for (const auto &it : book) highest = std::max(highest, it.generation);
+  count([&highest](const DCMCellTable::Cell &it, const Cycle &) {
+    highest = std::max(highest, it.generation);
+    return true;
+  });
   return highest;
 }
 
@@ -426,14 +469,26 @@ double FixDCMGrowth::compute_vector(int i)
 
 double FixDCMGrowth::compute_array(int i, int j)
 {
-  return (double) std::count_if(book.begin(), book.end(), [i, j](const Entry &it) {
+  return count([i, j](const DCMCellTable::Cell &it, const Cycle &) {
     return it.type == i + 1 && it.phase == j;
   });
 }
 
 /* ---------------------------------------------------------------------- */
 
-double FixDCMGrowth::memory_usage()
+void FixDCMGrowth::write_restart(FILE *fp)
 {
-  return (double) book.capacity() * sizeof(Entry) + (double) entry_of.capacity() * sizeof(int);
+  if (comm->me != 0) return;
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.put(births);
+  record.put(deaths);
+  record.write(fp);
+}
+
+void FixDCMGrowth::restart(char *buf)
+{
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.load(buf);
+  record.get(births);
+  record.get(deaths);
 }

@@ -17,8 +17,11 @@ FixStyle(dcm/growth,FixDCMGrowth);
 #ifndef LMP_FIX_DCM_GROWTH_H
 #define LMP_FIX_DCM_GROWTH_H
 
-#include "law/growth.h"
+#include "dcm_request.h"
+#include "dcm_rest_change.h"
+#include "dcm_role.h"
 #include "fix.h"
+#include "law/growth.h"
 
 #include <cstdint>
 #include <memory>
@@ -27,67 +30,46 @@ FixStyle(dcm/growth,FixDCMGrowth);
 
 namespace LAMMPS_NS {
 
-// The cell cycle (S1 "Cell cycle and cell division"): rest volumes and rest lengths grow, cells
-// round up and become ready to divide, rest or die. It keeps the book of all cells of its group,
-// deformable and center-based, the same on all ranks; fix dcm/division, dcm/death and dcm/convert
-// find it with require() and write their changes into it.
+// The cell cycle (S1 "Cell cycle and cell division"): rest volumes and rest lengths of the cells of
+// its group grow, cells round up and become READY to divide, or rest. What it knows of a cell is a
+// column of the table of cells (fix dcm/cell), deformable and center-based cells alike.
 
-class FixDCMGrowth : public Fix {
+class FixDCMGrowth : public Fix, public DCMRole {
  public:
-  enum Phase { GROWING, ROUNDING, READY, QUIESCENT, DYING, NPHASE };
-
-  struct Entry {    // one per cell, sorted by molecule
-    tagint molecule, mother;
-    int generation, type;    // type: atom type of the center or sphere
-    int deformable, phase;
-    double birth;       // time
-    double cycle;       // cycle time of this cell, 0: its type does not divide
-    double born;        // rest volume at birth
-    double newborn;     // volume at birth, 0: not measured yet
-    double progress;    // of the cycle, 0 to 1
-    double volume0;     // rest volume
-    double length;      // factor on the rest lengths: 1, below while rounding up
-    double fading;      // dying: time until the rest volume is gone
-    double dying0;      // dying: rest volume when it began
-    double ratio;       // rest volume over volume when it was last deformable, else 1
-    double pressure_before, pressure;    // when rounding up began, largest since
-  };
-  std::vector<Entry> book;
-
   FixDCMGrowth(class LAMMPS *, int, char **);
   ~FixDCMGrowth() override;
   int setmask() override;
+  void post_constructor() override;
   void init() override;
-  void setup_post_neighbor() override;
-  void post_neighbor() override;
   void initial_integrate(int) override;
   void write_restart(FILE *) override;
   void restart(char *) override;
   double compute_scalar() override;
   double compute_vector(int) override;
   double compute_array(int, int) override;
-  double memory_usage() override;
 
-  // the one instance; error naming the asking style when there is none
-  static FixDCMGrowth *require(class LAMMPS *, const std::string &asking);
-
-  // entry of a cell, nullptr: not in the book
-  Entry *find(tagint molecule);
-
-  // for those who change cells: what they do has to be done to the atoms as well
-  tagint new_molecule() { return next_molecule++; }
-  tagint last_molecule() const { return next_molecule - 1; }    // highest ID ever used
-  double time() const;
-  void divide(const Entry &mother, tagint daughter1, tagint daughter2, double volume);
-  void remove(tagint molecule);
-  void fade(tagint molecule, double duration);
-  void convert(tagint molecule, int type, bool deformable, double volume0, double ratio);
+  unsigned traits() const override { return GROWS_SPHERES | MAKES_READY; }
+  void cell_divided(const DCMCellTable::Division &) override;
+  void cell_removed(int) override;
+  void cell_converted(int, double) override;
 
  private:
+  struct Cycle {        // of one cell, all doubles: the column's numbers, in this order
+    double member;      // 1: this fix makes it grow; 0: not of its group
+    double duration;    // cycle time of this cell, 0: its type does not divide
+    double born;        // rest volume at birth
+    double newborn;     // volume at birth, 0: not measured yet
+    double progress;    // of the cycle, 0 to 1
+    double length;      // factor on the rest lengths: 1, below while rounding up
+    double pressure_before, pressure;    // when rounding up began, largest since
+  };
+
   std::unique_ptr<class DCMParameters> parameters;
-  struct DCMAtoms *dcm;
-  class FixDCMCell *cell;           // nullptr: no deformable cells
+  class FixDCMCell *cell;
   class PairDCMContact *contact;    // nullptr: no compression, or no center-based cells
+  DCMCellTable::Handle cycles;      // a Cycle per cell
+  DCMRequest<> spheres, virial;
+  DCMRestChange rest;
   std::uint64_t seed;
   dcm::GrowthLaw law;
   double half, exponent;          // slowing by compression; half = 0: none
@@ -99,23 +81,18 @@ class FixDCMGrowth : public Fix {
   std::vector<std::string> fraction_names;
   std::vector<double> fraction_values;
 
-  tagint next_molecule;
   bigint births, deaths;
-  std::vector<int> entry_of;           // per owned + ghost sphere: index into book
-  std::vector<double> built_radius;    // per entry: radius of the sphere at the last rebuild
-  std::vector<double> lengths;         // per deformable cell: factor on its rest lengths
-  std::vector<double> sphere_pressure;
+  std::vector<double> sphere_pressure;    // per row of the table
 
   int parse_keyword(int, char **);
   void enroll();
-  Entry newcomer(tagint molecule, int type, int deformable, double volume0) const;
-  void draw_cycle(Entry &) const;
+  Cycle newcomer(int row);
+  void draw_cycle(int row, Cycle &);
   void hold_fractions();
   void measure_spheres();
-  double volume_of(const Entry &) const;
-  double strain(const Entry &, size_t) const;
-  double advance(Entry &, double rate);
-  void apply();
+  double strain(int row) const;
+  void advance(int row);
+  template <class Predicate> int count(Predicate &&) const;
 };
 
 }    // namespace LAMMPS_NS

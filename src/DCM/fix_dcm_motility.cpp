@@ -199,24 +199,24 @@ void FixDCMMotility::initial_integrate(int /*vflag*/)
 void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
 {
   const int nlocal = atom->nlocal;
-  const int ncells = (int) cell->cells.size();
+  const auto &table = cell->cells();
 
   // random part in units of its standard deviation: each rank draws those of all cells itself, but
   // with persistence only the owner of the center has it
 
-  cell_force.assign(3 * ncells, 0.0);
+  cell_force.assign(3 * table.size(), 0.0);
   if (persistence > 0.0) {
     for (int i = 0; i < nlocal; i++) {
       if (!moves(i)) continue;
       if (state[i][0] == UNSET) draw(atom->molecule[i], state[i]);
       if (dcm->kind[i] == AtomVecDCM::CENTER)
-        dcm::vec(&cell_force[3 * cell->cell_of[i]]) = dcm::vec(state[i]);
+        dcm::vec(&cell_force[3 * cell->cell_of(i)]) = dcm::vec(state[i]);
     }
-    cell->sum(cell_force);
+    cell->sum(cell_force, 3);
   }
 
-  for (int c = 0; c < ncells; c++) {
-    const FixDCMCell::Cell &it = cell->cells[c];
+  for (const int c : table.deformable()) {
+    const auto &it = table[c];
     double *const fc = &cell_force[3 * c];
     if (!types[it.type].used || !(it.mask & groupbit) || it.nnodes == 0) continue;
     if (persistence == 0.0) draw(it.molecule, fc);
@@ -229,7 +229,7 @@ void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
   double **f = atom->f;
   for (int i = 0; i < nlocal; i++) {
     if (dcm->kind[i] == AtomVecDCM::NODE) {
-      dcm::vec(f[i]) += dcm::vec(&cell_force[3 * cell->cell_of[i]]);
+      dcm::vec(f[i]) += dcm::vec(&cell_force[3 * cell->cell_of(i)]);
     } else if (dcm->kind[i] == AtomVecDCM::SPHERE && moves(i)) {
       double fi[3];
       if (persistence > 0.0)

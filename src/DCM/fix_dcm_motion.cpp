@@ -12,7 +12,6 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "bond_dcm_cortex.h"
 #include "comm.h"
 #include "dcm_parameters.h"
 #include "error.h"
@@ -20,7 +19,6 @@
 #include "force.h"
 #include "group.h"
 #include "modify.h"
-#include "pair_dcm_contact.h"
 #include "update.h"
 #include "utils.h"
 
@@ -42,7 +40,7 @@ static constexpr double KEEP = 2.0;
 /* ---------------------------------------------------------------------- */
 
 FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), cortex(nullptr), messages(world)
+    Fix(lmp, narg, arg), cell(nullptr), messages(world), unknowns(lmp, system, messages)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   if (narg < 4)
@@ -125,7 +123,7 @@ void FixDCMMotion::init()
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
   check_deck();
-  find_styles();
+  roles = DCMRole::of(lmp);
   find_friction();
   reset_dt();
   stale = true;
@@ -160,12 +158,6 @@ void FixDCMMotion::check_deck()
   }
 }
 
-void FixDCMMotion::find_styles()
-{
-  contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
-  cortex = dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex"));
-}
-
 /* ----------------------------------------------------------------------
    ECM friction of every atom type that holds nodes or spheres of the group
 ------------------------------------------------------------------------- */
@@ -174,7 +166,7 @@ void FixDCMMotion::find_friction()
 {
   std::vector<int> needed(atom->ntypes + 1, 0);
   for (int i = 0; i < atom->nlocal; i++)
-    if (is_unknown(i)) needed[atom->type[i]] = 1;
+    if (unknowns.moves(i, groupbit)) needed[atom->type[i]] = 1;
   MPI_Allreduce(MPI_IN_PLACE, needed.data(), atom->ntypes + 1, MPI_INT, MPI_MAX, world);
   if (std::find(needed.begin(), needed.end(), 1) == needed.end())
     error->all(FLERR, "{}: group {} holds no node and no sphere, nothing to move", STYLE,
@@ -271,26 +263,26 @@ void FixDCMMotion::spread_velocity()
 {
   double **v = atom->v;
   const int nlocal = atom->nlocal;
-  auto &cells = cell->cells;
+  const auto &cells = cell->cells();
 
   cell_sums.assign(3 * cells.size(), 0.0);
   for (int i = 0; i < nlocal; i++) {
     const int kind = dcm->kind[i];
     if (kind != AtomVecDCM::NODE && kind != AtomVecDCM::SPHERE) continue;
-    const double *u = &velocity[STRIDE * (size_t) slot[i]];
+    const double *u = &velocity[STRIDE * (size_t) unknowns(i)];
     for (int k = 0; k < 3; k++) v[i][k] = u[k];
     if (kind == AtomVecDCM::SPHERE) continue;
-    for (int k = 0; k < 3; k++) cell_sums[3 * (size_t) cell->cell_of[i] + k] += u[k];
+    for (int k = 0; k < 3; k++) cell_sums[3 * (size_t) cell->cell_of(i) + k] += u[k];
   }
-  cell->sum(cell_sums);
+  cell->sum(cell_sums, 3);
   for (int i = 0; i < nlocal; i++) {
     if (dcm->kind[i] != AtomVecDCM::CENTER) continue;
-    const int c = cell->cell_of[i];
+    const int c = cell->cell_of(i);
     for (int k = 0; k < 3; k++)
       v[i][k] = cell_sums[3 * (size_t) c + k] / std::max(1, cells[c].nnodes);
   }
-  for (int f = 0; f < cell->nowned; f++) {
-    double *vf = v[cell->faces[f].atom];
+  for (int f = 0; f < cell->nowned(); f++) {
+    double *vf = v[cell->faces()[f].atom];
     const int *s = &face_slots[3 * (size_t) f];
     for (int k = 0; k < 3; k++)
       vf[k] = (velocity[STRIDE * (size_t) s[0] + k] + velocity[STRIDE * (size_t) s[1] + k] +
@@ -311,7 +303,7 @@ std::vector<tagint> FixDCMMotion::describe(int s)
   if (rank == comm->nprocs) return {};
   tagint values[3] = {0, 0, 0};
   if (rank == comm->me) {
-    const int i = atom_of[s];
+    const int i = unknowns.atom_of(s);
     values[0] = atom->tag[i];
     values[1] = atom->molecule[i];
     values[2] = dcm->kind[i];
@@ -388,7 +380,7 @@ void FixDCMMotion::check_move()
   int s_worst = 0;
   for (int s = 1; s <= system.nowned; s++) {
     const double *u = &velocity[STRIDE * (size_t) s];
-    const int i = atom_of[s];
+    const int i = unknowns.atom_of(s);
     const double scale = (dcm->kind[i] == AtomVecDCM::NODE) ? edge : atom->radius[i];
     const double move = dt * std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     if (move <= worst.ratio * scale || scale == 0.0) continue;
@@ -402,7 +394,7 @@ void FixDCMMotion::check_move()
   const auto who = describe((comm->me == worst.rank) ? s_worst : -1);
   double scale = edge;
   if (who[2] == AtomVecDCM::SPHERE && comm->me == worst.rank)
-    scale = atom->radius[atom_of[s_worst]];
+    scale = atom->radius[unknowns.atom_of(s_worst)];
   MPI_Bcast(&scale, 1, MPI_DOUBLE, worst.rank, world);
   error->all(FLERR,
              "{}: {} {} of cell {} would move by {:.4g} at step {}, {:.3g} of its {} {:.4g}, "
@@ -452,5 +444,5 @@ double FixDCMMotion::memory_usage()
 {
   return system.memory_usage() + solver.memory_usage() +
          (double) sizeof(double) * (owner.capacity() + rhs.capacity() + velocity.capacity()) +
-         (double) sizeof(int) * (slot.capacity() + atom_of.capacity() + face_slots.capacity());
+         (double) sizeof(int) * face_slots.capacity() + unknowns.memory_usage();
 }

@@ -19,6 +19,8 @@ FixStyle(dcm/motion,FixDCMMotion);
 
 #include "law/friction_comm.h"
 #include "law/friction_solver.h"
+#include "dcm_role.h"
+#include "dcm_unknowns.h"
 #include "fix.h"
 
 #include <memory>
@@ -27,11 +29,11 @@ FixStyle(dcm/motion,FixDCMMotion);
 namespace LAMMPS_NS {
 
 // Overdamped motion: once a step, solve Gamma v = F for all nodes and spheres of the group, then
-// x += dt v. Gamma is the sum of ECM friction, cortex dashpots (bond_style dcm/cortex) and contact
-// friction (pair_style dcm/contact), each present only if its style is. Nodes and spheres outside
-// the group are fixed. Doc page fix_dcm_motion.
+// x += dt v. Gamma is the sum of ECM friction and of what the styles of the deck contribute
+// (DCMRole), cortex dashpots and contact friction among them. Nodes and spheres outside the group
+// are fixed. Doc page fix_dcm_motion.
 
-class FixDCMMotion : public Fix {
+class FixDCMMotion : public Fix, public DCMRole {
  public:
   FixDCMMotion(class LAMMPS *, int, char **);
   ~FixDCMMotion() override;
@@ -47,11 +49,12 @@ class FixDCMMotion : public Fix {
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
 
+  unsigned traits() const override { return MOVES; }
+
  private:
   struct DCMAtoms *dcm;
   class FixDCMCell *cell;
-  class PairDCMContact *contact;    // nullptr: no such pair style
-  class BondDCMCortex *cortex;      // nullptr: no such bond style
+  std::vector<DCMRole *> roles;    // of the deck, in this run
   std::unique_ptr<class DCMParameters> params;
 
   std::vector<double> friction;    // per atom type: ECM friction per area
@@ -59,14 +62,12 @@ class FixDCMMotion : public Fix {
 
   dcm::FrictionSystem system;
   dcm::FrictionComm messages;
+  DCMUnknowns unknowns;
   dcm::FrictionSolver<dcm::FrictionComm> solver;
   dcm::FrictionResult last;
 
   bool stale, deferred, pending;        // lists outdated; solve of setup() must wait, is waiting
-  std::vector<int> slot;                // per owned + ghost atom, NOT_ASKED: ghost nobody needs yet
-  std::vector<int> atom_of;             // per owned slot: local atom
   std::vector<int> face_slots;          // 3 per owned face
-  std::vector<int> projected_edges;     // indices into neighbor->bondlist
   std::vector<double> owner;            // per owned + ghost atom: its process
   std::vector<double> rhs, velocity;    // dcm::STRIDE per slot
   std::vector<double> cell_sums;
@@ -75,16 +76,10 @@ class FixDCMMotion : public Fix {
   double solves, iterations;    // since the start of the run
   double seconds_assembly, seconds_solve, messages_start;
 
-  bool is_unknown(int) const;
-  int ask(int);
-  void find_styles();
   void find_friction();
   void check_deck();
   void make_slots();
-  void list_edges();
   void assemble();
-  void add_edges();
-  void add_contacts();
   void add_ecm();
   void solve(double);
   void check_solution();

@@ -91,6 +91,7 @@ int FixDCMVolume::setmask()
 void FixDCMVolume::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  sum = cell->change_cells().contribute("pressure");
 }
 
 /* ---------------------------------------------------------------------- */
@@ -100,12 +101,14 @@ void FixDCMVolume::setup_pre_reverse(int eflag, int vflag)
   for (const auto &fix : modify->get_fix_by_style("^dcm/volume$")) {
     const auto *const other = dynamic_cast<FixDCMVolume *>(fix);
     if (!other || other == this) continue;
-    for (const auto &it : cell->cells)
+    for (const int c : cell->cells().all_deformable()) {
+      const auto &it = cell->cells()[c];
       if (acts_on(it) && other->acts_on(it))
         error->all(FLERR,
                    "{}: fixes {} and {} both act on cell {}, its pressure would count twice; give "
                    "them different groups or cell types",
                    STYLE, id, other->id, it.molecule);
+    }
   }
   pre_reverse(eflag, vflag);
 }
@@ -125,7 +128,7 @@ bool FixDCMVolume::holds_centers(int itype) const
   return found > 0;
 }
 
-bool FixDCMVolume::acts_on(const FixDCMCell::Cell &it) const
+bool FixDCMVolume::acts_on(const DCMCellTable::Cell &it) const
 {
   return K_V[it.type] > 0.0 && (it.mask & groupbit);
 }
@@ -154,9 +157,10 @@ void FixDCMVolume::cell_pressures()
   energy = mean = 0.0;
   lowest = highest = 0.0;
   int n = 0;
-  pressure.assign(cell->cells.size(), 0.0);
-  for (size_t c = 0; c < cell->cells.size(); c++) {
-    FixDCMCell::Cell &it = cell->cells[c];
+  const auto &table = cell->cells();
+  pressure.assign(table.size(), 0.0);
+  for (const int c : table.all_deformable()) {
+    const auto &it = table[c];
     if (!acts_on(it)) continue;
     const double K = K_V[it.type];
     if (!(it.volume > 0.0) || !std::isfinite(it.volume) || !(it.volume0 > 0.0))
@@ -167,7 +171,8 @@ void FixDCMVolume::cell_pressures()
           "cell and its start shape",
           STYLE, it.molecule, it.volume, it.volume0, update->ntimestep);
     const double p = dcm::pressure(K, it.volume, it.volume0);
-    pressure[c] = it.pressure = p;
+    pressure[c] = p;
+    (*sum)(c) += p;
     energy += dcm::pressure_energy(K, it.volume, it.volume0);
     mean += p;
     lowest = n ? std::min(lowest, p) : p;
@@ -200,8 +205,8 @@ void FixDCMVolume::gradient_forces()
   double **x = atom->x;
   double **f = atom->f;
 
-  for (int n = 0; n < cell->nowned; n++) {
-    const FixDCMCell::Face &face = cell->faces[n];
+  for (int n = 0; n < cell->nowned(); n++) {
+    const FixDCMCell::Face &face = cell->faces()[n];
     const double p = face.cell < 0 ? 0.0 : pressure[face.cell];
     if (p == 0.0) continue;
     const int *v = face.v;
@@ -209,7 +214,8 @@ void FixDCMVolume::gradient_forces()
         dcm::face_pressure_force(p, dcm::vec(x[v[0]]), dcm::vec(x[v[1]]), dcm::vec(x[v[2]]));
     for (int k = 0; k < 3; k++) dcm::vec(f[v[k]]) += third;
     if (evflag)
-      for (int k = 0; k < 3; k++) tally(face.atom, x[v[k]], cell->cells[face.cell].x, third.data());
+      for (int k = 0; k < 3; k++)
+        tally(face.atom, x[v[k]], cell->cells()[face.cell].x, third.data());
   }
 }
 
@@ -223,36 +229,36 @@ void FixDCMVolume::voronoi_forces()
   double **f = atom->f;
 
   node.assign((size_t) NSUM * (atom->nlocal + atom->nghost), 0.0);
-  for (int n = 0; n < cell->nowned; n++) {
-    const FixDCMCell::Face &face = cell->faces[n];
+  for (int n = 0; n < cell->nowned(); n++) {
+    const FixDCMCell::Face &face = cell->faces()[n];
     if (face.cell < 0 || pressure[face.cell] == 0.0) continue;
     const int *v = face.v;
     const dcm::FaceCurvature part =
         dcm::face_curvature_parts(dcm::vec(x[v[0]]), dcm::vec(x[v[1]]), dcm::vec(x[v[2]]));
     for (int k = 0; k < 3; k++) {
-      double *const sum = &node[(size_t) NSUM * v[k]];
-      sum[0] += part.area[k];
-      dcm::vec(sum + 1) += part.laplace[k];
-      dcm::vec(sum + 4) += part.normal[k];
+      double *const sums = &node[(size_t) NSUM * v[k]];
+      sums[0] += part.area[k];
+      dcm::vec(sums + 1) += part.laplace[k];
+      dcm::vec(sums + 4) += part.normal[k];
     }
   }
   comm->reverse_comm(this);
 
   for (int i = 0; i < atom->nlocal; i++) {
-    const double *const sum = &node[(size_t) NSUM * i];
-    if (sum[0] == 0.0) continue;
+    const double *const sums = &node[(size_t) NSUM * i];
+    if (sums[0] == 0.0) continue;
 
     // the curvature vector points inward where the surface is concave, and nowhere where flat
 
-    const int c = cell->cell_of[i];
-    const auto laplace = dcm::vec(sum + 1), normal = dcm::vec(sum + 4);
+    const int c = cell->cell_of(i);
+    const auto laplace = dcm::vec(sums + 1), normal = dcm::vec(sums + 4);
     const double along = laplace.dot(normal);
     dcm::Vec3 direction = along == 0.0 ? dcm::Vec3(normal) : dcm::Vec3(laplace);
     if (along < 0.0) direction = -direction;
     direction.normalize();
-    const dcm::Vec3 fi = dcm::voronoi_pressure_force(pressure[c], sum[0], direction);
+    const dcm::Vec3 fi = dcm::voronoi_pressure_force(pressure[c], sums[0], direction);
     dcm::vec(f[i]) += fi;
-    if (evflag) tally(i, x[i], cell->cells[c].x, fi.data());
+    if (evflag) tally(i, x[i], cell->cells()[c].x, fi.data());
   }
 }
 

@@ -17,16 +17,17 @@ FixStyle(dcm/volume,FixDCMVolume);
 #ifndef LMP_FIX_DCM_VOLUME_H
 #define LMP_FIX_DCM_VOLUME_H
 
+#include "dcm_role.h"
 #include "fix_dcm_cell.h"
 
 #include <vector>
 
 namespace LAMMPS_NS {
 
-// Pressure of deformable cells that resists a change of their volume (S1 eq 6). Sets
-// FixDCMCell::Cell::pressure of the cells it acts on.
+// Pressure of deformable cells that resists a change of their volume (S1 eq 6). Adds it to the
+// column "pressure" of the table of cells.
 
-class FixDCMVolume : public Fix {
+class FixDCMVolume : public Fix, public DCMRole {
  public:
   FixDCMVolume(class LAMMPS *, int, char **);
   int setmask() override;
@@ -39,11 +40,17 @@ class FixDCMVolume : public Fix {
   void unpack_reverse_comm(int, int *, double *) override;
   double memory_usage() override;
 
+  unsigned traits() const override { return GIVES_PRESSURE; }
+
   // bulk modulus of a cell, 0: not acted on
-  double bulk_modulus(const FixDCMCell::Cell &it) const { return acts_on(it) ? K_V[it.type] : 0.0; }
+  double bulk_modulus(const DCMCellTable::Cell &it) const
+  {
+    return acts_on(it) ? K_V[it.type] : 0.0;
+  }
 
  private:
   FixDCMCell *cell;
+  DCMCellTable::Handle sum;        // of the pressures of all contributors
   std::vector<double> K_V;         // per atom type, < 0: not acted on
   bool voronoi;                    // the source's form of the force instead of the gradient
   std::vector<double> pressure;    // per cell, 0 for cells not acted on
@@ -51,7 +58,7 @@ class FixDCMVolume : public Fix {
   std::vector<double> node;    // voronoi only, per atom: area, curvature vector, normal
 
   bool holds_centers(int) const;
-  bool acts_on(const FixDCMCell::Cell &) const;
+  bool acts_on(const DCMCellTable::Cell &) const;
   void cell_pressures();
   void gradient_forces();
   void voronoi_forces();

@@ -15,6 +15,8 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_allgather.h"
+#include "dcm_unknowns.h"
 #include "law/curvature.h"
 #include "law/volume.h"
 #include "error.h"
@@ -67,13 +69,17 @@ void PairDCMContact::compute(int eflag, int vflag)
   checked_step = update->ntimestep;
   count.list_seconds = platform::walltime() - start;
 
+  find_wanted();
   const int nall = atom->nlocal + atom->nghost;
   area.assign(nall, 0.0);
   if (want_stress) stress.assign(nall, 0.0);
   if (want_virial) moment.assign(nall, 0.0);
   contacts.clear();
   spheres.clear();
-  partner_list.clear();
+  if (want_partners) {
+    partner_list.clear();
+    partners_merged = false;
+  }
 
   if (fix_cell) {
     make_faces();
@@ -94,7 +100,6 @@ void PairDCMContact::compute(int eflag, int vflag)
 
   commmode = SUMS;
   comm->reverse_comm(this, 1 + want_stress + want_virial);
-  if (want_partners) merge_partners();
 
   if (vflag_fdotr) virial_fdotr_compute();
 
@@ -106,24 +111,40 @@ void PairDCMContact::compute(int eflag, int vflag)
 }
 
 /* ----------------------------------------------------------------------
+   what is recorded in this step
+------------------------------------------------------------------------- */
+
+void PairDCMContact::find_wanted()
+{
+  want_stress = stress_requests.any();
+  want_virial = virial_requests.any();
+  want_blocks = (traits_of_deck & MOVES) || blocks_requests.any();
+  want_partners = false;
+  partner_requests.each([this](int every) {
+    if (update->setupflag || update->ntimestep % every == 0) want_partners = true;
+  });
+}
+
+/* ----------------------------------------------------------------------
    spheres through the faces that have a partner in the list
 ------------------------------------------------------------------------- */
 
 void PairDCMContact::make_faces()
 {
-  const auto &faces = fix_cell->faces;
-  const auto &curvature = fix_cell->curvature;
+  const auto &faces = fix_cell->faces();
   double *const *const x = atom->x;
 
-  rmax_cell.resize(fix_cell->cells.size());
-  for (size_t c = 0; c < rmax_cell.size(); c++)
-    rmax_cell[c] = set.rmax * dcm::ball_radius(fix_cell->cells[c].volume);
+  const auto &table = fix_cell->cells();
+  rmax_cell.resize(table.size());
+  for (const int c : table.deformable())
+    rmax_cell[c] = set.rmax * dcm::ball_radius(table[c].volume);
 
   double scale = 0.0;
   for (int f : used_faces) {
     const auto &face = faces[f];
     const int *v = face.v;
-    const double k = (curvature[v[0]] + curvature[v[1]] + curvature[v[2]]) / 3.0;
+    const double k =
+        (fix_cell->curvature(v[0]) + fix_cell->curvature(v[1]) + fix_cell->curvature(v[2])) / 3.0;
     const double R = dcm::face_radius(k, 0.0, 0.0, rmax_cell[face.cell], set.concave);
     const dcm::FaceGeometry &g = geometry[f] =
         dcm::make_face(vec(x[v[0]]), vec(x[v[1]]), vec(x[v[2]]), R);
@@ -253,7 +274,7 @@ static inline bool covers(const dcm::FaceGeometry &face, const Vec3 &point, cons
 
 template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_faces()
 {
-  const auto &faces = fix_cell->faces;
+  const auto &faces = fix_cell->faces();
   double *const *const force_of = atom->f;
   if (!HISTORY) find_candidates();
   const size_t npairs = HISTORY ? face_pairs.size() : candidates.size();
@@ -326,7 +347,7 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
 
 template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mixed()
 {
-  const auto &faces = fix_cell->faces;
+  const auto &faces = fix_cell->faces();
   double *const *const force_of = atom->f;
   double *const *const x = atom->x;
   const size_t npairs = mixed_pairs.size();
@@ -391,21 +412,52 @@ void PairDCMContact::add_partner(tagint a, tagint b, double patch)
    each pair of cells once; the order of a stable sort, so that sums repeat
 ------------------------------------------------------------------------- */
 
-void PairDCMContact::merge_partners()
+static void merge(std::vector<PairDCMContact::Partner> &list)
 {
-  std::stable_sort(partner_list.begin(), partner_list.end(),
-                   [](const Partner &p, const Partner &q) {
-                     return p.molecule != q.molecule ? p.molecule < q.molecule : p.other < q.other;
-                   });
+  using Partner = PairDCMContact::Partner;
+  std::stable_sort(list.begin(), list.end(), [](const Partner &p, const Partner &q) {
+    return p.molecule != q.molecule ? p.molecule < q.molecule : p.other < q.other;
+  });
   size_t n = 0;
-  for (size_t m = 0; m < partner_list.size(); m++) {
-    if (n && partner_list[n - 1].molecule == partner_list[m].molecule &&
-        partner_list[n - 1].other == partner_list[m].other)
-      partner_list[n - 1].area += partner_list[m].area;
+  for (size_t m = 0; m < list.size(); m++) {
+    if (n && list[n - 1].molecule == list[m].molecule && list[n - 1].other == list[m].other)
+      list[n - 1].area += list[m].area;
     else
-      partner_list[n++] = partner_list[m];
+      list[n++] = list[m];
   }
-  partner_list.resize(n);
+  list.resize(n);
+}
+
+const std::vector<PairDCMContact::Partner> &PairDCMContact::partners()
+{
+  if (partners_merged) return partner_list;
+  merge(partner_list);
+  partner_list = dcm_allgather(partner_list, world);
+  merge(partner_list);
+  partners_merged = true;
+  return partner_list;
+}
+
+/* ----------------------------------------------------------------------
+   blocks between the unknowns instead of local atoms
+------------------------------------------------------------------------- */
+
+void PairDCMContact::add_friction(dcm::FrictionSystem &system, DCMUnknowns &unknowns)
+{
+  for (const auto &block : spheres) {
+    const int i = unknowns(block.i), j = unknowns(block.j);
+    if (i == j) continue;    // both fixed
+    system.edges.push_back(block);
+    system.edges.back().i = i;
+    system.edges.back().j = j;
+  }
+  for (const auto &block : contacts) {
+    int n[6], any = 0;
+    for (int k = 0; k < 6; k++) any |= n[k] = unknowns(block.n[k]);
+    if (!any) continue;
+    system.contacts.push_back(block);
+    std::copy(n, n + 6, system.contacts.back().n);
+  }
 }
 
 /* ----------------------------------------------------------------------

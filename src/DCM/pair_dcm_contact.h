@@ -20,6 +20,8 @@ PairStyle(dcm/contact,PairDCMContact);
 #include "law/contact.h"
 #include "law/friction.h"
 #include "dcm_parameters.h"
+#include "dcm_request.h"
+#include "dcm_role.h"
 #include "pair.h"
 
 #include <memory>
@@ -32,9 +34,9 @@ namespace LAMMPS_NS {
 // Besides forces it delivers, once per step, the contact areas and the friction blocks that
 // fix dcm/motion puts into its matrix.
 
-class PairDCMContact : public Pair {
+class PairDCMContact : public Pair, public DCMRole {
  public:
-  // contact area between two cells on this rank, if requested; each pair of cells once per rank
+  // contact area between two cells
   struct Partner {
     tagint molecule, other;    // molecule < other
     double area;
@@ -74,22 +76,27 @@ class PairDCMContact : public Pair {
   void *extract(const char *, int &) override;
   double memory_usage() override;
 
-  // friction of this step; local atom indices, owned or ghost; recorded while a fix dcm/motion
-  // exists or after request_blocks()
-  const std::vector<dcm::ContactBlock> &contact_blocks() const { return contacts; }
-  const std::vector<dcm::EdgeBlock> &sphere_blocks() const { return spheres; }
+  // friction of this step, recorded while something solves for velocities or after
+  // request_blocks()
+  void add_friction(dcm::FrictionSystem &, class DCMUnknowns &) override;
 
   // contact area of faces and spheres, per atom; owned atoms: summed over ranks
   const double *contact_area() const { return area.data(); }
+  const double *covered_area() const override { return area.data(); }
 
-  // ask in init(), every run: normal contact force per face or sphere (compression positive),
-  // contact area per pair of cells, friction blocks, virial of spheres
-  void request_stress() { want_stress = true; }
-  void request_partners() { want_partners = true; }
-  void request_blocks() { want_blocks = true; }
-  void request_virial() { want_virial = true; }
+  // ask in init(), every run, and keep the handle: normal contact force per face or sphere
+  // (compression positive), virial of spheres, friction blocks, contact area per pair of cells in
+  // the steps that are multiples of `every`
+  DCMRequest<> request_stress() { return stress_requests.add(); }
+  DCMRequest<> request_virial() { return virial_requests.add(); }
+  DCMRequest<> request_blocks() { return blocks_requests.add(); }
+  DCMRequest<int> request_partners(int every = 1) { return partner_requests.add(every); }
+
   const double *normal_force() const { return stress.data(); }
-  const std::vector<Partner> &partners() const { return partner_list; }
+
+  // all pairs of cells in contact, sorted, summed over ranks, the same on all ranks; of the last
+  // step in which they were recorded. Collective
+  const std::vector<Partner> &partners();
 
   // per owned sphere, sum over its contacts of repulsive force times distance from the center:
   // half the distance of two spheres, or that to the plane of contact with a face
@@ -116,6 +123,11 @@ class PairDCMContact : public Pair {
 
   enum Law { DMT, MAUGIS };
   enum CommMode { SUMS, NEIGHBORS, MODULUS };
+
+  DCMRequests<> stress_requests, virial_requests, blocks_requests;
+  DCMRequests<int> partner_requests;
+  DCMRequest<> curvature;
+  DCMRequest<double> contact_range;
 
   // settings; what is derived from the mesh is derived once and kept, also over restarts, so that
   // a run continues unchanged
@@ -155,7 +167,8 @@ class PairDCMContact : public Pair {
   bool expect_new;                      // types without atoms may get some in the run
   bool expect_spheres, expect_faces;    // at the start, or they may come in the run
   bool any_apparent, use_history;
-  bool want_stress, want_partners, want_blocks, want_virial = false;
+  unsigned traits_of_deck = 0U;
+  bool want_stress, want_partners, want_blocks, want_virial = false;    // in this step
   double mean_edge, cell_radius;    // at the start of the run; largest deformable cell
   bigint built, checked_step, checked_atoms;
 
@@ -187,7 +200,8 @@ class PairDCMContact : public Pair {
   std::vector<double> area, stress, moment, modulus, near_sum, near_count;    // per atom
   std::vector<dcm::ContactBlock> contacts;
   std::vector<dcm::EdgeBlock> spheres;
-  std::vector<Partner> partner_list;
+  std::vector<Partner> partner_list;    // of this rank, or merged of all
+  bool partners_merged = true;
   std::vector<Sisters> sister_list;
   std::vector<double> sister_force;    // of the full law, on this rank
   Counters count;
@@ -206,6 +220,7 @@ class PairDCMContact : public Pair {
   void set_cutoff();
   void setup_history();
 
+  void find_wanted();
   void sort_pairs();
   void add_pair(int, int, int *);
   void check_radii();
@@ -219,14 +234,13 @@ class PairDCMContact : public Pair {
   template <bool SISTERS> void compute_spheres(int);
   int find_sisters(tagint, tagint) const;
   void add_partner(tagint, tagint, double);
-  void merge_partners();
   void check_start();
   void check_law(double);
   bool may_be(const TypeInfo &info, int kind) const
   {
     return info.kind == kind || (info.active && info.kind == 0 && expect_new);
   }
-  bool has_fix(const std::vector<std::string> &) const;
+  bool has_fix_cell() const;
   static double round_up(double);
   bool deep_inside(const dcm::Vec3 &, int) const;
   [[noreturn]] void fail_pair(int, int, double, double, double);

@@ -16,6 +16,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_allgather.h"
 #include "dcm_compat.h"
 #include "law/triangle.h"
 #include "law/volume.h"
@@ -36,7 +37,7 @@ namespace {
 struct Body {
   tagint molecule;
   double x[3], radius;
-  int cell;    // index into FixDCMCell::cells, -1: center-based
+  int cell;    // row of the table of cells, -1: center-based
 };
 
 // is a point inside a cell?
@@ -55,14 +56,14 @@ struct Query {
 static void solid_angles(LAMMPS *lmp, const FixDCMCell *fix, const std::vector<Body> &bodies,
                          std::vector<Query> &queries)
 {
-  std::vector<std::vector<int>> of_cell(fix ? fix->cells.size() : 0);
+  std::vector<std::vector<int>> of_cell(fix ? fix->cells().size() : 0);
   std::vector<double> angles(queries.size(), 0.0);
   for (size_t q = 0; q < queries.size(); q++) {
     const Body &body = bodies[queries[q].body];
     if (body.cell >= 0) of_cell[body.cell].push_back((int) q);
   }
-  for (int f = 0; fix && f < fix->nowned; f++) {
-    const auto &face = fix->faces[f];
+  for (int f = 0; fix && f < fix->nowned(); f++) {
+    const auto &face = fix->faces()[f];
     for (int q : of_cell[face.cell]) {
       double *const *const x = lmp->atom->x;
       Vec3 a = vec(x[face.v[0]]) - queries[q].point;
@@ -74,7 +75,9 @@ static void solid_angles(LAMMPS *lmp, const FixDCMCell *fix, const std::vector<B
                                     la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
     }
   }
-  if (fix) fix->sum(angles);
+  if (fix && !angles.empty())
+    MPI_Allreduce(MPI_IN_PLACE, angles.data(), (int) angles.size(), MPI_DOUBLE, MPI_SUM,
+                  lmp->world);
   for (size_t q = 0; q < queries.size(); q++) {
     const Body &body = bodies[queries[q].body];
     queries[q].angle = angles[q];
@@ -130,17 +133,11 @@ void PairDCMContact::check_start()
     if (dcm->kind[i] == AtomVecDCM::SPHERE)
       mine.push_back(
           {atom->molecule[i], {atom->x[i][0], atom->x[i][1], atom->x[i][2]}, atom->radius[i], -1});
-  const int nbytes = (int) (mine.size() * sizeof(Body));
-  std::vector<int> counts(comm->nprocs), offsets(comm->nprocs, 0);
-  MPI_Allgather(&nbytes, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 1; p < comm->nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
-  bodies.resize((offsets.back() + counts.back()) / sizeof(Body));
-  MPI_Allgatherv(mine.data(), nbytes, MPI_BYTE, bodies.data(), counts.data(), offsets.data(),
-                 MPI_BYTE, world);
-  for (size_t c = 0; fix_cell && c < fix_cell->cells.size(); c++) {
-    const auto &cell = fix_cell->cells[c];
+  bodies = dcm_allgather(mine, world);
+  for (const int c : fix_cell ? fix_cell->cells().all_deformable() : std::vector<int>()) {
+    const auto &cell = fix_cell->cells()[c];
     bodies.push_back(
-        {cell.molecule, {cell.x[0], cell.x[1], cell.x[2]}, dcm::ball_radius(cell.volume), (int) c});
+        {cell.molecule, {cell.x[0], cell.x[1], cell.x[2]}, dcm::ball_radius(cell.volume), c});
   }
   std::sort(bodies.begin(), bodies.end(), [](const Body &a, const Body &b) {
     return a.molecule < b.molecule;
@@ -170,12 +167,7 @@ void PairDCMContact::check_start()
       dcm_minimum_image(domain, d[0], d[1], d[2]);
       if (d.squaredNorm() < limit * limit) near_mine.insert(near_mine.end(), {a, b});
     }
-  const int n = (int) near_mine.size();
-  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 1; p < comm->nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
-  near_all.resize(offsets.back() + counts.back());
-  MPI_Allgatherv(near_mine.data(), n, MPI_INT, near_all.data(), counts.data(), offsets.data(),
-                 MPI_INT, world);
+  near_all = dcm_allgather(near_mine, world);
 
   // two center-based cells may overlap far: after a division, or pressed
 
@@ -232,7 +224,7 @@ bool PairDCMContact::deep_inside(const Vec3 &x, int cell) const
 {
   double *const *const at = atom->x;
   dcm::SurfaceDistance nearest;
-  for (const auto &face : fix_cell->faces) {
+  for (const auto &face : fix_cell->faces()) {
     if (face.cell != cell || face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0) continue;
     nearest.add(x, vec(at[face.v[0]]), vec(at[face.v[1]]), vec(at[face.v[2]]));
   }

@@ -16,7 +16,9 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_allgather.h"
 #include "dcm_compat.h"
+#include "dcm_record.h"
 #include "error.h"
 #include "fix_neigh_history.h"
 #include "modify.h"
@@ -32,6 +34,7 @@ using dcm::vec;
 using dcm::Vec3;
 
 static const std::string STYLE = "Pair style dcm/contact";
+static constexpr int RECORD = 1;    // version of the restart record
 
 // the mesh of faces that no run has seen yet may be twice as coarse as was guessed
 
@@ -60,13 +63,8 @@ void PairDCMContact::measure_mesh()
       if (owned(tag) < 0) mine.push_back(tag);
     }
   }
-  const int n = (int) mine.size();
-  std::vector<int> counts(comm->nprocs), offsets(comm->nprocs, 0);
-  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 1; p < comm->nprocs; p++) offsets[p] = offsets[p - 1] + counts[p - 1];
-  std::vector<tagint> asked(offsets.back() + counts.back());
-  MPI_Allgatherv(mine.data(), n, MPI_LMP_TAGINT, asked.data(), counts.data(), offsets.data(),
-                 MPI_LMP_TAGINT, world);
+  std::vector<int> offsets;
+  const auto asked = dcm_allgather(mine, world, &offsets);
   std::vector<double> answer(3 * asked.size(), 0.0);
   for (size_t m = 0; m < asked.size(); m++) {
     const int j = owned(asked[m]);
@@ -119,7 +117,7 @@ void PairDCMContact::measure_mesh()
 void PairDCMContact::lay_out()
 {
   const int ntypes = atom->ntypes;
-  const bool growing = has_fix({"growth", "division", "cycle"});
+  const bool growing = traits_of_deck & GROWS_SPHERES;
   const double face = set.growth > 0.0 ? set.growth : FACE_GROWTH;
   const double sphere = set.growth > 0.0 ? set.growth : growing ? SPHERE_GROWTH : 1.0;
   const double half = 0.5 * range_used;
@@ -177,23 +175,21 @@ void PairDCMContact::lay_out()
 
 void PairDCMContact::write_restart(FILE *fp)
 {
-  fwrite(&set, sizeof(Settings), 1, fp);
-  for (double *value : kept()) fwrite(value, sizeof(double), 1, fp);
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.put(set);
+  for (double *value : kept()) record.put(*value);
   laid_out.resize(atom->ntypes + 1, 0.0);
-  fwrite(laid_out.data(), sizeof(double), laid_out.size(), fp);
+  record.put(laid_out);
+  record.write_plain(fp);
 }
 
 void PairDCMContact::read_restart(FILE *fp)
 {
-  laid_out.assign(atom->ntypes + 1, 0.0);
-  if (comm->me == 0) {
-    utils::sfread(FLERR, &set, sizeof(Settings), 1, fp, nullptr, error);
-    for (double *value : kept()) utils::sfread(FLERR, value, sizeof(double), 1, fp, nullptr, error);
-    utils::sfread(FLERR, laid_out.data(), sizeof(double), laid_out.size(), fp, nullptr, error);
-  }
-  MPI_Bcast(&set, sizeof(Settings), MPI_BYTE, 0, world);
-  for (double *value : kept()) MPI_Bcast(value, 1, MPI_DOUBLE, 0, world);
-  MPI_Bcast(laid_out.data(), (int) laid_out.size(), MPI_DOUBLE, 0, world);
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.read_plain(fp);
+  record.get(set);
+  for (double *value : kept()) record.get(*value);
+  record.get(laid_out);
 }
 
 std::vector<double *> PairDCMContact::kept()
@@ -207,7 +203,7 @@ std::vector<double *> PairDCMContact::kept()
 
 void PairDCMContact::exclude_types()
 {
-  const bool tracers = !modify->get_fix_by_style("^dcm/tracer").empty();
+  const bool tracers = traits_of_deck & HOLDS_TRACERS;
   auto meets = [&](const TypeInfo &a, const TypeInfo &b) {
     if (a.active && b.active) return true;
     if (!tracers) return false;
@@ -300,7 +296,6 @@ double PairDCMContact::init_one(int i, int j)
   const bool tracer_face =
       (types[i].kind == AtomVecDCM::TRACER && types[j].kind == AtomVecDCM::FACE) ||
       (types[j].kind == AtomVecDCM::TRACER && types[i].kind == AtomVecDCM::FACE);
-  if (tracer_face && !modify->get_fix_by_style("^dcm/tracer").empty())
-    return types[i].promise + types[j].promise;
+  if (tracer_face && (traits_of_deck & HOLDS_TRACERS)) return types[i].promise + types[j].promise;
   return i == j ? bin_edge : 0.0;
 }

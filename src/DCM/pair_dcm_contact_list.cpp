@@ -34,7 +34,8 @@ void PairDCMContact::sort_pairs()
 {
   check_radii();
   built = neighbor->lastcall;
-  if (fix_cell && !fix_cell->cells.empty()) guessed = 0.0;    // this run made them: keep the guess
+  if (fix_cell && !fix_cell->cells().all_deformable().empty())
+    guessed = 0.0;    // this run made them: keep the guess
   face_pairs.clear();
   mixed_pairs.clear();
   sphere_pairs.clear();
@@ -56,9 +57,9 @@ void PairDCMContact::sort_pairs()
 
   used_faces.clear();
   if (!fix_cell) return;
-  geometry.resize(fix_cell->faces.size());
-  outline.resize(fix_cell->faces.size());
-  face_class.assign(fix_cell->faces.size(), -1);
+  geometry.resize(fix_cell->faces().size());
+  outline.resize(fix_cell->faces().size());
+  face_class.assign(fix_cell->faces().size(), -1);
   auto use = [this](int f) {
     if (face_class[f] >= 0) return;
     face_class[f] = 0;
@@ -70,7 +71,7 @@ void PairDCMContact::sort_pairs()
   }
   for (const auto &pair : mixed_pairs) use(pair.i);
 
-  const auto &faces = fix_cell->faces;
+  const auto &faces = fix_cell->faces();
   for (int f : used_faces) {
     const int *v = faces[f].v;
     if (v[0] >= 0 && v[1] >= 0 && v[2] >= 0) continue;
@@ -95,17 +96,17 @@ void PairDCMContact::add_pair(int i, int j, int *touch)
   if (atom->molecule[i] == atom->molecule[j]) return;
   if (ki == AtomVecDCM::FACE && kj == AtomVecDCM::FACE) {
     if (atom->tag[i] > atom->tag[j]) std::swap(i, j);
-    face_pairs.push_back({fix_cell->face_of[i], fix_cell->face_of[j]});
+    face_pairs.push_back({fix_cell->face_of(i), fix_cell->face_of(j)});
     if (use_history && set.history) face_touch.push_back(touch);
   } else if (ki == AtomVecDCM::SPHERE && kj == AtomVecDCM::SPHERE) {
     if (atom->tag[i] > atom->tag[j]) std::swap(i, j);
     sphere_pairs.push_back({i, j});
     sphere_touch.push_back(touch);
   } else if (ki == AtomVecDCM::FACE && kj == AtomVecDCM::SPHERE) {
-    mixed_pairs.push_back({fix_cell->face_of[i], j});
+    mixed_pairs.push_back({fix_cell->face_of(i), j});
     if (use_history && set.history) mixed_touch.push_back(touch);
   } else if (ki == AtomVecDCM::SPHERE && kj == AtomVecDCM::FACE) {
-    mixed_pairs.push_back({fix_cell->face_of[j], i});
+    mixed_pairs.push_back({fix_cell->face_of(j), i});
     if (use_history && set.history) mixed_touch.push_back(touch);
   }
 }
@@ -133,8 +134,8 @@ void PairDCMContact::check_radii()
     if (kind == AtomVecDCM::FACE ? !expect_faces : !use_history)
       error->one(FLERR,
                  "Pair style dcm/contact: {} {} of cell {} appeared at step {}, in a run that "
-                 "started without any and without a fix that makes cells (dcm/division, dcm/cycle, "
-                 "dcm/convert); start a new run once it is there",
+                 "started without any and without a fix that makes cells, such as dcm/division or "
+                 "dcm/convert; start a new run once it is there",
                  name, atom->tag[i], atom->molecule[i], update->ntimestep);
     if (atom->radius[i] > info.promise)
       error->one(FLERR,

@@ -200,24 +200,21 @@ void PairDCMContact::init_style()
   dcm = AtomVecDCM::require(lmp, STYLE);
   if (!force->newton_pair) error->all(FLERR, "{} needs newton on; remove 'newton off'", STYLE);
 
-  // others ask for these in their init(), which comes later
-
-  want_stress = want_partners = want_virial = false;
+  traits_of_deck = traits_of(lmp);
   set_sisters({});
-  want_blocks = !modify->get_fix_by_style("^dcm/motion").empty();
   built = -1;
 
   scan_types();
   expect_types();
   fix_cell = nullptr;
-  if (have_faces || has_fix({"cell$"})) fix_cell = FixDCMCell::require(lmp, STYLE);
+  if (have_faces || has_fix_cell()) fix_cell = FixDCMCell::require(lmp, STYLE);
   measure_mesh();
   choose_lengths();
   lay_out();
   read_types();
   if (fix_cell) {
-    fix_cell->request_curvature();
-    fix_cell->set_contact_range(range_used);
+    curvature = fix_cell->request_curvature();
+    contact_range = fix_cell->request_contact_range(range_used);
   }
   exclude_types();
   set_cutoff();
@@ -281,20 +278,18 @@ void PairDCMContact::scan_types()
 
 void PairDCMContact::expect_types()
 {
-  expect_new = has_fix({"division", "cycle", "conver"}) &&
+  expect_new = (traits_of_deck & MAKES_CELLS) &&
                std::any_of(types.begin(), types.end(), [](const TypeInfo &info) {
                  return info.active && info.kind == 0;
                });
-  expect_faces = have_faces || (expect_new && has_fix({"cell$"}));
+  expect_faces = have_faces || (expect_new && has_fix_cell());
   expect_spheres = have_spheres || expect_new;
 }
 
-bool PairDCMContact::has_fix(const std::vector<std::string> &names) const
+bool PairDCMContact::has_fix_cell() const
 {
-  // one by one: patterns of LAMMPS know no alternatives
-  return std::any_of(names.begin(), names.end(), [this](const std::string &name) {
-    return !modify->get_fix_by_style("^dcm/" + name).empty();
-  });
+  const auto found = modify->get_fix_by_style("^dcm/cell$");
+  return !found.empty() && dynamic_cast<FixDCMCell *>(found[0])->expects_deformable();
 }
 
 /* ----------------------------------------------------------------------

@@ -8,11 +8,10 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-#include "dcm_gather.h"
+#include "dcm_cell_variable.h"
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "law/volume.h"
 #include "error.h"
 #include "input.h"
 #include "modify.h"
@@ -22,32 +21,6 @@
 #include <algorithm>
 
 using namespace LAMMPS_NS;
-
-/* ---------------------------------------------------------------------- */
-
-std::vector<DCMCellAtom> LAMMPS_NS::dcm_cell_atoms(LAMMPS *lmp)
-{
-  const Atom *const atom = lmp->atom;
-  const DCMAtoms *const dcm = AtomVecDCM::require(lmp, "The table of cells");
-  std::vector<DCMCellAtom> mine;
-  for (int i = 0; i < atom->nlocal; i++) {
-    const int kind = dcm->kind[i];
-    if (kind != AtomVecDCM::CENTER && kind != AtomVecDCM::SPHERE) continue;
-    const double *const x = atom->x[i], r = atom->radius[i];
-    const bool deformable = kind == AtomVecDCM::CENTER;
-    mine.push_back({atom->molecule[i],
-                    atom->type[i],
-                    atom->mask[i],
-                    deformable,
-                    deformable ? dcm->volume0[i] : dcm::ball_volume(r),
-                    {x[0], x[1], x[2]}});
-  }
-  auto all = dcm_allgather(mine, lmp->world);
-  std::sort(all.begin(), all.end(), [](const DCMCellAtom &a, const DCMCellAtom &b) {
-    return a.molecule < b.molecule;
-  });
-  return all;
-}
 
 /* ---------------------------------------------------------------------- */
 

@@ -1,0 +1,58 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+#include "dcm_role.h"
+
+#include "bond_hybrid.h"
+#include "dihedral_hybrid.h"
+#include "fix.h"
+#include "force.h"
+#include "modify.h"
+#include "pair_hybrid.h"
+
+using namespace LAMMPS_NS;
+
+// the sub-styles of a hybrid pair style are for its own use
+
+namespace {
+struct HybridStyles : PairHybrid {
+  static int count(PairHybrid *pair) { return pair->*(&HybridStyles::nstyles); }
+  static Pair *style(PairHybrid *pair, int n) { return (pair->*(&HybridStyles::styles))[n]; }
+};
+}    // namespace
+
+template <class Style> static void add(Style *style, std::vector<DCMRole *> &roles)
+{
+  if (auto *const role = dynamic_cast<DCMRole *>(style)) roles.push_back(role);
+}
+
+std::vector<DCMRole *> DCMRole::of(LAMMPS *lmp)
+{
+  std::vector<DCMRole *> roles;
+  const Force *const force = lmp->force;
+  add(force->bond, roles);
+  if (auto *const hybrid = dynamic_cast<BondHybrid *>(force->bond))
+    for (int n = 0; n < hybrid->nstyles; n++) add(hybrid->styles[n], roles);
+  add(force->dihedral, roles);
+  if (auto *const hybrid = dynamic_cast<DihedralHybrid *>(force->dihedral))
+    for (int n = 0; n < hybrid->nstyles; n++) add(hybrid->styles[n], roles);
+  add(force->pair, roles);
+  if (auto *const hybrid = dynamic_cast<PairHybrid *>(force->pair))
+    for (int n = 0; n < HybridStyles::count(hybrid); n++)
+      add(HybridStyles::style(hybrid, n), roles);
+  for (auto *const fix : lmp->modify->get_fix_list()) add(fix, roles);
+  return roles;
+}
+
+unsigned DCMRole::traits_of(LAMMPS *lmp)
+{
+  unsigned traits = 0U;
+  for (const auto *const role : of(lmp)) traits |= role->traits();
+  return traits;
+}

@@ -1,0 +1,78 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifndef LMP_DCM_ROLE_H
+#define LMP_DCM_ROLE_H
+
+#include "dcm_cell_table.h"
+
+#include <vector>
+
+namespace dcm {
+class FrictionSystem;
+class StiffnessSystem;
+}    // namespace dcm
+
+namespace LAMMPS_NS {
+
+// What a style of this package is to the others, so that none of them needs to know its name:
+// mixed into a fix, pair, bond or dihedral style, found with of().
+//
+// LAMMPS calls Pair::init_style() before Fix::init(): a fix cannot tell a pair style what it is
+// about to do, but can be asked.
+
+class DCMRole {
+ public:
+  enum Trait : unsigned {
+    MOVES = 1U,             // solves for velocities, wants the friction of all others
+    GIVES_PRESSURE = 2U,    // contributes to the pressure of deformable cells
+    GROWS_SPHERES = 4U,     // radii of spheres grow in a run
+    MAKES_CELLS = 8U,       // cells appear in a run or change their kind: empty types may fill
+    MAKES_READY = 16U,      // brings cells to phase READY, to divide
+    HOLDS_TRACERS = 32U     // wants tracer-face pairs in the neighbor list
+  };
+
+  virtual unsigned traits() const { return 0U; }
+
+  // ---- cell events, on all processes; rows are those of the table of cells
+
+  virtual void cell_divided(const DCMCellTable::Division &) {}
+  virtual void cell_removed(int /*row*/) {}                                 // before it goes
+  virtual void cell_converted(int /*row*/, double /*volume0_before*/) {}    // after
+  virtual void cell_retyped(int /*row*/, int /*type_before*/) {}            // after
+
+  // ---- friction of fix dcm/motion: blocks between the unknowns that its numbering names
+
+  virtual void list_friction(dcm::FrictionSystem &, class DCMUnknowns &) {
+  }    // until the next rebuild
+  virtual void add_friction(dcm::FrictionSystem &, class DCMUnknowns &) {}    // of this step
+
+  // area of faces and spheres that is in contact, where friction with the surroundings does not
+  // act; per atom, nullptr: this style covers none
+
+  virtual const double *covered_area() const { return nullptr; }
+
+  // ---- stiffness of a linearly implicit step; nobody asks for it yet
+
+  virtual void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) {}
+
+  // all styles of the deck with a role: bond, dihedral and pair styles (those of hybrid styles as
+  // well), then fixes in the order of the deck
+
+  static std::vector<DCMRole *> of(class LAMMPS *);
+  static unsigned traits_of(class LAMMPS *);    // of any of them
+
+ protected:
+  ~DCMRole() = default;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
