@@ -28,7 +28,7 @@ TIMEOUT = 600  # s, for one run
 SHORT = {
     "bench": {"size": "quick", "warm": 30, "timed": 20},
     "bile_duct": {"size": "quick", "hours": 0.015, "tau": 20},
-    "crowd": {"hours": 0.0225, "cycle": 500, "death": 2e-3, "image": "no"},
+    "crowd": {"hours": 0.0225, "cycle": 200, "death": 2e-3, "image": "no"},
     "division": {"level": 2, "steps": 200, "image": "no"},
     "doublet": {"level": 1, "settle": 150, "press": 0.5, "rate": 0.05, "image": "no"},
     "migration": {"duration": 150, "persistence": 40, "image": "no"},
