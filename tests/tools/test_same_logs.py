@@ -120,8 +120,8 @@ def test_every_shipped_deck_is_known():
     assert {path.name[3:] for path in (ROOT / "examples").glob("*/in.*")} == set(same_logs.SHORT)
 
 
-def test_a_single_run_compares_wall_time_names_only():
-    """Columns that merely look alike are compared."""
+def test_columns_that_look_like_wall_times_count():
+    """f_move[2] is a number of iterations, f_move[5] a wall time."""
     old = LOG.replace("f_move[5]", "f_move[2]")
     new = old.replace("0.7     1.4", "0.9     1.4")
     assert differences(new, old) == ["run 2, step 20: f_move[2] 0.7, now 0.9"]
