@@ -53,12 +53,6 @@ std::vector<DCMCellAtom> dcm_cell_atoms(class LAMMPS *);
 std::vector<double> dcm_cell_variable(class LAMMPS *, const std::string &name,
                                       const std::vector<tagint> &molecules);
 
-// the argument v_NAME without its prefix; error if it is none, or, with exists, if there is no
-// such atom-style variable
-
-std::string dcm_variable_name(class LAMMPS *, const std::string &asking, const std::string &text);
-void dcm_check_variable(class LAMMPS *, const std::string &asking, const std::string &name);
-
 }    // namespace LAMMPS_NS
 
 #endif

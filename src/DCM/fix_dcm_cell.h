@@ -19,6 +19,7 @@ FixStyle(dcm/cell,FixDCMCell);
 
 #include "fix.h"
 
+#include <memory>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -59,12 +60,17 @@ class FixDCMCell : public Fix {
   std::vector<double> curvature;    // per atom: signed scalar 2H of nodes, if requested
 
   FixDCMCell(class LAMMPS *, int, char **);
+  ~FixDCMCell() override;
   int setmask() override;
   void init() override;
   void setup_pre_neighbor() override;
   void pre_neighbor() override;
   void setup_pre_force(int) override;
   void pre_force(int) override;
+
+  // cell types of the deck (keyword types) for styles without names of their own, nullptr: not
+  // given
+  const class DCMParameters *cell_types() const { return types.get(); }
 
   // what other styles ask for in their init()
   void request_curvature() { want_curvature = true; }
@@ -104,6 +110,7 @@ class FixDCMCell : public Fix {
   };
 
   struct DCMAtoms *dcm;
+  std::unique_ptr<class DCMParameters> types;
   Comm commflag = GEOMETRY;
   bool want_curvature = false;
   double contact_range = 0.0, edge_mean = 0.0;

@@ -17,6 +17,7 @@ FixStyle(dcm/death,FixDCMDeath);
 #ifndef LMP_FIX_DCM_DEATH_H
 #define LMP_FIX_DCM_DEATH_H
 
+#include "dcm_log.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -32,7 +33,6 @@ namespace LAMMPS_NS {
 class FixDCMDeath : public Fix {
  public:
   FixDCMDeath(class LAMMPS *, int, char **);
-  ~FixDCMDeath() override;
   int setmask() override;
   void init() override;
   void setup(int) override;
@@ -51,9 +51,7 @@ class FixDCMDeath : public Fix {
   double shrink;    // time of shrinking, 0: at once
   bool always;      // criterion `all`
   std::uint64_t seed;
-  std::string log_name;
-  FILE *log;
-  bool continued;
+  DCMLog log;
   bigint removed;
   std::vector<tagint> gone;      // to take away in this step
   std::set<tagint> shrinking;    // cells that this fix made shrink

@@ -13,7 +13,6 @@
 #include "bond_dcm_cortex.h"
 #include "comm.h"
 #include "dcm_gather.h"
-#include "dcm_parameters.h"
 #include "law/random.h"
 #include "dihedral_dcm_bend.h"
 #include "error.h"
@@ -36,6 +35,10 @@ using namespace FixConst;
 using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/division";
+static const char HEADER[] =
+    "# LAMMPS-DCM division log; units um nN s\n"
+    "# step time mother daughter1 daughter2 generation kind axis_x axis_y axis_z "
+    "volume volume1 volume2 iterations pressure_before pressure\n";
 
 // softening begins with this factor on modulus and adhesion
 
@@ -49,7 +52,7 @@ static constexpr double SOFTEST = 1.0e-3;
 FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), growth(nullptr), cell(nullptr), contact(nullptr), seed(0),
     plane_mode(RANDOM), given(Vec3::UnitX()), sphere_mode(SOFTEN), sphere_value(600.0),
-    log(nullptr), continued(false), ndcm(0), ncbm(0), iterations(0), seconds(0.0), outside(0.0),
+    log(lmp, STYLE, HEADER), ndcm(0), ncbm(0), iterations(0), seconds(0.0), outside(0.0),
     quality(1.0)
 {
   FixDCMGrowth::require(lmp, STYLE);
@@ -67,71 +70,44 @@ FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
   next_reneighbor = -1;
 }
 
-FixDCMDivision::~FixDCMDivision()
-{
-  if (log) fclose(log);
-}
-
 /* ---------------------------------------------------------------------- */
 
 void FixDCMDivision::parse(int narg, char **arg)
 {
-  const DCMParameters parameters(lmp, STYLE);
-  int iarg = 0;
-  auto next = [&](const std::string &keyword) {
-    if (++iarg >= narg) error->all(FLERR, "{}: keyword {} needs more values", STYLE, keyword);
-    return arg[iarg];
-  };
-  for (; iarg < narg; iarg++) {
-    const std::string key = arg[iarg];
-    if (key == "seed" || key == "maxiter") {
-      const double value = parameters.number(key.c_str(), next(key), DCMParameters::POSITIVE);
-      if (value != std::floor(value) || value > MAXSMALLINT)
-        error->all(FLERR, "{}: {} is {}, must be a positive whole number", STYLE, key, arg[iarg]);
-      if (key == "seed")
-        seed = (std::uint64_t) value;
-      else
-        settings.maxiter = (int) value;
-    } else if (key == "tolerance") {
-      settings.tolerance = parameters.number("tolerance", next(key), DCMParameters::POSITIVE);
-      if (settings.tolerance > 0.1)
-        error->all(FLERR, "{}: tolerance is {}, must be at most 0.1", STYLE, arg[iarg]);
-    } else if (key == "plane") {
-      const std::string mode = next(key);
-      if (mode == "random") {
-        plane_mode = RANDOM;
-      } else if (mode == "long") {
-        plane_mode = LONG;
-      } else if (mode == "given") {
-        plane_mode = GIVEN;
-        for (int k = 0; k < 3; k++)
-          given[k] = parameters.number("plane", next(key), DCMParameters::ANY);
-        if (!(given.norm() > 0.0))
-          error->all(FLERR, "{}: plane given 0 0 0 has no direction; give the normal", STYLE);
-        given.normalize();
-      } else if (mode == "variable") {
-        plane_mode = VARIABLE;
-        for (auto &name : variable_name) name = dcm_variable_name(lmp, STYLE, next(key));
-      } else {
-        error->all(FLERR,
-                   "{}: unknown plane {}; use random, long, given x y z or variable v_x "
-                   "v_y v_z",
-                   STYLE, mode);
-      }
-    } else if (key == "cbm") {
-      const std::string mode = next(key);
-      if (mode != "soften" && mode != "truncate")
-        error->all(FLERR, "{}: cbm must be soften T or truncate F, not {}", STYLE, mode);
-      sphere_mode = mode == "soften" ? SOFTEN : TRUNCATE;
-      sphere_value = parameters.number(mode.c_str(), next(key), DCMParameters::POSITIVE);
-    } else if (key == "log") {
-      log_name = next(key);
+  DCMArgs args(lmp, STYLE, narg, arg, {"seed", "plane", "cbm", "tolerance", "maxiter", "log"});
+  while (args.next()) {
+    if (args.is("seed")) {
+      seed = args.whole();
+    } else if (args.is("maxiter")) {
+      settings.maxiter = (int) args.whole();
+    } else if (args.is("tolerance")) {
+      settings.tolerance = args.number(DCMArgs::POSITIVE);
+      args.check(settings.tolerance <= 0.1, "at most 0.1");
+    } else if (args.is("plane")) {
+      parse_plane(args);
+    } else if (args.is("cbm")) {
+      sphere_mode = args.choose({"soften", "truncate"}, "soften T or truncate F") ? TRUNCATE
+                                                                                  : SOFTEN;
+      sphere_value = args.number(DCMArgs::POSITIVE, sphere_mode == SOFTEN ? "soften" : "truncate");
     } else {
-      error->all(FLERR, "{}: unknown keyword {}; known: seed plane cbm tolerance maxiter log",
-                 STYLE, key);
+      log.name(args.text());
     }
   }
   if (seed == 0) error->all(FLERR, "{}: keyword seed is missing; give a positive number", STYLE);
+}
+
+void FixDCMDivision::parse_plane(DCMArgs &args)
+{
+  plane_mode = (Plane) args.choose({"random", "long", "given", "variable"},
+                                   "random, long, given x y z or variable v_x v_y v_z");
+  if (plane_mode == GIVEN) {
+    for (double &component : given) component = args.number();
+    if (!(given.norm() > 0.0))
+      error->all(FLERR, "{}: plane given 0 0 0 has no direction; give the normal", STYLE);
+    given.normalize();
+  } else if (plane_mode == VARIABLE) {
+    for (auto &name : variable_name) name = args.variable();
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -151,7 +127,7 @@ void FixDCMDivision::init()
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
 
   if (plane_mode == VARIABLE)
-    for (const auto &name : variable_name) dcm_check_variable(lmp, STYLE, name);
+    for (const auto &name : variable_name) dcm_find_variable(lmp, STYLE, name);
   DCMCellSurgery::check_order(lmp, this, STYLE);
 
   const bool deformable =
@@ -164,8 +140,7 @@ void FixDCMDivision::init()
 }
 
 /* ----------------------------------------------------------------------
-   the log is opened when all input has been checked; a run continued from a restart file
-   adds to it
+   room for the daughters' edges; the log, now that all input has been checked
 ------------------------------------------------------------------------- */
 
 void FixDCMDivision::setup(int /*vflag*/)
@@ -175,14 +150,7 @@ void FixDCMDivision::setup(int /*vflag*/)
     const int c = it.deformable && it.cycle > 0.0 ? cell->find_cell(it.molecule) : -1;
     if (c >= 0) surgery.builder.reserve_slots(round_mesh(surgery, cell->cells[c].nnodes).slots);
   }
-  if (log_name.empty() || log || comm->me != 0) return;
-  log = fopen(log_name.c_str(), continued ? "a" : "w");
-  if (!log) error->one(FLERR, "{}: cannot open log {}: {}", STYLE, log_name, utils::getsyserror());
-  if (fseek(log, 0, SEEK_END) == 0 && ftell(log) == 0)
-    utils::print(log, "# LAMMPS-DCM division log; units um nN s\n"
-                      "# step time mother daughter1 daughter2 generation kind axis_x axis_y axis_z "
-                      "volume volume1 volume2 iterations pressure_before pressure\n");
-  fflush(log);
+  log.open();
 }
 
 /* ----------------------------------------------------------------------
@@ -315,15 +283,13 @@ void FixDCMDivision::write_log(const DCMCellSurgery::Cell &mother, const Vec3 &a
                                const tagint *daughters, double volume, double volume1,
                                double volume2, int niter)
 {
-  if (!log) return;
   const auto &it = *growth->find(mother.molecule);
-  utils::print(log,
-               "{} {:.10g} {} {} {} {} {} {:.8f} {:.8f} {:.8f} {:.8g} {:.8g} {:.8g} {} {:.6g} "
-               "{:.6g}\n",
-               update->ntimestep, growth->time(), mother.molecule, daughters[0], daughters[1],
-               it.generation + 1, it.deformable ? "dcm" : "cbm", axis[0], axis[1], axis[2], volume,
-               volume1, volume2, niter, it.pressure_before, it.pressure);
-  fflush(log);
+  log.print("{} {:.10g} {} {} {} {} {} {:.8f} {:.8f} {:.8f} {:.8g} {:.8g} {:.8g} {} {:.6g} "
+            "{:.6g}\n",
+            update->ntimestep, growth->time(), mother.molecule, daughters[0], daughters[1],
+            it.generation + 1, it.deformable ? "dcm" : "cbm", axis[0], axis[1], axis[2], volume,
+            volume1, volume2, niter, it.pressure_before, it.pressure);
+  log.flush();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -354,7 +320,7 @@ void FixDCMDivision::restart(char *buf)
   sisters.resize(numbers[3]);
   memcpy((void *) sisters.data(), buf + sizeof(numbers) + sizeof(reals),
          sisters.size() * sizeof(Pair));
-  continued = true;
+  log.go_on();
 }
 
 /* ----------------------------------------------------------------------

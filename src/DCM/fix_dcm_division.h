@@ -18,7 +18,9 @@ FixStyle(dcm/division,FixDCMDivision);
 #define LMP_FIX_DCM_DIVISION_H
 
 #include "law/division.h"
+#include "dcm_args.h"
 #include "dcm_cell_surgery.h"
+#include "dcm_log.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -35,7 +37,6 @@ namespace LAMMPS_NS {
 class FixDCMDivision : public Fix {
  public:
   FixDCMDivision(class LAMMPS *, int, char **);
-  ~FixDCMDivision() override;
   int setmask() override;
   void init() override;
   void setup(int) override;
@@ -75,9 +76,7 @@ class FixDCMDivision : public Fix {
   Sphere sphere_mode;
   double sphere_value;    // time of softening or largest force
   dcm::DivisionSettings settings;
-  std::string log_name;
-  FILE *log;
-  bool continued;
+  DCMLog log;
 
   std::vector<tagint> ready;                           // molecules to divide in this step
   std::map<tagint, dcm::Vec3> variable_axis;           // of the ready cells
@@ -91,6 +90,7 @@ class FixDCMDivision : public Fix {
   double quality;       // worst face of a newborn cell
 
   void parse(int, char **);
+  void parse_plane(DCMArgs &);
   void evaluate_variables();
   dcm::Vec3 axis_of(const DCMCellSurgery::Cell &);
   const DCMCellBuilder::Topology &round_mesh(DCMCellSurgery &, size_t nnodes);

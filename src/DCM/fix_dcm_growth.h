@@ -106,7 +106,7 @@ class FixDCMGrowth : public Fix {
   std::vector<double> lengths;         // per deformable cell: factor on its rest lengths
   std::vector<double> sphere_pressure;
 
-  int parse_keyword(int, char **);
+  void parse_keyword(class DCMArgs &);
   void enroll();
   Entry newcomer(tagint molecule, int type, int deformable, double volume0) const;
   void draw_cycle(Entry &) const;

@@ -19,9 +19,9 @@ FixStyle(dcm/motion,FixDCMMotion);
 
 #include "law/friction_comm.h"
 #include "law/friction_solver.h"
+#include "dcm_parameters.h"
 #include "fix.h"
 
-#include <memory>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -34,7 +34,6 @@ namespace LAMMPS_NS {
 class FixDCMMotion : public Fix {
  public:
   FixDCMMotion(class LAMMPS *, int, char **);
-  ~FixDCMMotion() override;
   int setmask() override;
   void init() override;
   void setup(int) override;
@@ -52,7 +51,7 @@ class FixDCMMotion : public Fix {
   class FixDCMCell *cell;
   class PairDCMContact *contact;    // nullptr: no such pair style
   class BondDCMCortex *cortex;      // nullptr: no such bond style
-  std::unique_ptr<class DCMParameters> params;
+  DCMParameters parameters;
 
   std::vector<double> friction;    // per atom type: ECM friction per area
   double maxmove, least_free;

@@ -17,6 +17,7 @@ FixStyle(dcm/volume,FixDCMVolume);
 #ifndef LMP_FIX_DCM_VOLUME_H
 #define LMP_FIX_DCM_VOLUME_H
 
+#include "dcm_parameters.h"
 #include "fix_dcm_cell.h"
 
 #include <vector>
@@ -44,13 +45,14 @@ class FixDCMVolume : public Fix {
 
  private:
   FixDCMCell *cell;
-  std::vector<double> K_V;         // per atom type, < 0: not acted on
+  DCMParameters parameters;
+  std::vector<double> K_V;         // per atom type, 0: none given, < 0: not acted on
   bool voronoi;                    // the source's form of the force instead of the gradient
   std::vector<double> pressure;    // per cell, 0 for cells not acted on
   double energy, mean, lowest, highest;
   std::vector<double> node;    // voronoi only, per atom: area, curvature vector, normal
 
-  bool holds_centers(int) const;
+  void read_moduli();
   bool acts_on(const FixDCMCell::Cell &) const;
   void cell_pressures();
   void gradient_forces();
