@@ -229,3 +229,16 @@ DCMAtoms *AtomVecDCM::require(LAMMPS *lmp, const std::string &asking)
                     lmp->atom->atom_style ? lmp->atom->atom_style : "none");
   return arrays_of(lmp->atom);
 }
+
+std::vector<int> AtomVecDCM::types_holding(LAMMPS *lmp, const std::vector<Kind> &kinds,
+                                           int groupbit)
+{
+  const Atom *const atom = lmp->atom;
+  const int *const kind = arrays_of(lmp->atom)->kind;
+  std::vector<int> holding(atom->ntypes + 1, 0);
+  for (int i = 0; i < atom->nlocal; i++)
+    if ((atom->mask[i] & groupbit) && std::find(kinds.begin(), kinds.end(), kind[i]) != kinds.end())
+      holding[atom->type[i]] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, holding.data(), atom->ntypes + 1, MPI_INT, MPI_MAX, lmp->world);
+  return holding;
+}

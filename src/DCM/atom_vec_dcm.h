@@ -19,6 +19,9 @@ AtomStyle(dcm,AtomVecDCM);
 
 #include "atom_vec.h"
 
+#include <string>
+#include <vector>
+
 namespace LAMMPS_NS {
 
 // per-atom state of the package, indexed by local atom; the arrays belong to the atom style
@@ -52,6 +55,11 @@ class AtomVecDCM : public AtomVec {
   // the state of the running atom style; an error naming the asking style if there is none
 
   static DCMAtoms *require(class LAMMPS *, const std::string &asking);
+
+  // per atom type, on all ranks: does it hold atoms of the group of one of these kinds now
+
+  static std::vector<int> types_holding(class LAMMPS *, const std::vector<Kind> &kinds,
+                                        int groupbit);
 
  private:
   DCMAtoms *data;

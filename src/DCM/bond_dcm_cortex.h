@@ -18,7 +18,9 @@ BondStyle(dcm/cortex,BondDCMCortex);
 #define LMP_BOND_DCM_CORTEX_H
 
 #include "bond.h"
+#include "dcm_coefs.h"
 #include "dcm_role.h"
+#include "dcm_slots.h"
 
 #include <string>
 #include <vector>
@@ -52,20 +54,20 @@ class BondDCMCortex : public Bond, public DCMRole {
  private:
   struct Coef {
     double E = 0.0, h = 0.0, gamma = 0.0;
-    int young = 0, projected = 0;    // int: written to restart files
-    double ks = 0.0;                 // from E, h and young
-    double longest = 0.0;            // longest rest length, for the ghost cutoff
-    std::string name;
-  };
-  std::vector<Coef> coefs;    // [1..nbondtypes]
+    int young = 0, projected = 0;
+    double ks = 0.0;         // from E, h and young
+    double longest = 0.0;    // longest rest length, for the ghost cutoff
 
-  struct DCMAtoms *data;
+    std::vector<DCMField> fields();
+    std::string derive();
+  };
+  DCMCoefs<Coef> coefs;
+
+  struct DCMAtoms *dcm;
+  DCMSlots slots;                      // of neighbor->bondlist, stored with the first atom
   std::vector<int> projected_edges;    // indices into neighbor->bondlist
-  std::vector<int> slot;               // per entry of neighbor->bondlist: slot of its first atom
-  bigint lastcall, lastncalls;
 
   void allocate();
-  void derive(Coef &);
   void match_slots();
 };
 

@@ -14,6 +14,7 @@
 #include "atom_vec.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_args.h"
 #include "law/mesh_io.h"
 #include "law/random.h"
 #include "dcm_text.h"
@@ -28,7 +29,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using dcm::Vec3;
@@ -56,7 +56,9 @@ void CreateCells::command(int narg, char **arg)
   }
 
   mesh = dcm::icosphere(3);
-  while (iarg < narg) iarg += parse_keyword(narg - iarg, arg + iarg);
+  DCMArgs args(lmp, "Create_cells", narg - iarg, arg + iarg,
+               {"dcm", "cbm", "mesh", "rest", "rotate", "scale"});
+  parse_keywords(args);
   DCMCellBuilder builder(lmp, "Create_cells", true);
   top = builder.prepare(mesh, equal_volume);
 
@@ -160,80 +162,52 @@ void CreateCells::add_request(const std::vector<std::string> &words, const std::
   requests.push_back(request);
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   the types of each cell type's atoms, and the shape of deformable cells
+------------------------------------------------------------------------- */
 
-int CreateCells::parse_keyword(int narg, char **arg)
+void CreateCells::parse_keywords(DCMArgs &args)
 {
-  const std::string keyword = arg[0];
-  auto need = [&](int n) {
-    if (narg <= n)
-      error->all(FLERR, "Create_cells: keyword {} needs {} values, got {}", keyword, n, narg - 1);
-    return n + 1;
-  };
-
-  if (keyword == "dcm") {
-    const int used = need(6);
-    DCMCellBuilder::Types type;
-    type.center = type_number(keyword, arg[2], atom->ntypes);
-    type.node = type_number(keyword, arg[3], atom->ntypes);
-    type.face = type_number(keyword, arg[4], atom->ntypes);
-    type.bond = type_number(keyword, arg[5], atom->nbondtypes);
-    type.dihedral = type_number(keyword, arg[6], atom->ndihedraltypes);
-    if (type.center == type.node || type.node == type.face || type.face == type.center)
-      error->all(FLERR,
-                 "Create_cells: cell type {}: center, node and face need three different "
-                 "atom types",
-                 arg[1]);
-    types[{arg[1], true}] = type;
-    return used;
-  }
-  if (keyword == "cbm") {
-    const int used = need(2);
-    const int type = type_number(keyword, arg[2], atom->ntypes);
-    types[{arg[1], false}] = {type, type, type, 0, 0};
-    return used;
-  }
-  if (keyword == "mesh") {
-    const int used = need(2);
-    try {
-      if (strcmp(arg[1], "icosphere") == 0)
-        mesh = dcm::icosphere(utils::inumeric(FLERR, arg[2], false, lmp));
-      else if (strcmp(arg[1], "file") == 0)
-        mesh = dcm::read_mesh(arg[2]);
-      else
-        error->all(FLERR, "Create_cells: unknown mesh {}; use icosphere LEVEL or file PATH",
-                   arg[1]);
-    } catch (LAMMPSException &) {
-      throw;
-    } catch (std::exception &e) {
-      error->all(FLERR, "Create_cells: {}", e.what());
+  while (args.next()) {
+    if (args.is("dcm")) {
+      args.need(6);
+      const std::string name = args.text();
+      DCMCellBuilder::Types given;
+      given.center = args.type(atom->ntypes);
+      given.node = args.type(atom->ntypes);
+      given.face = args.type(atom->ntypes);
+      given.bond = args.type(atom->nbondtypes);
+      given.dihedral = args.type(atom->ndihedraltypes);
+      if (given.center == given.node || given.node == given.face || given.face == given.center)
+        error->all(FLERR,
+                   "Create_cells: cell type {}: center, node and face need three different "
+                   "atom types",
+                   name);
+      types[{name, true}] = given;
+    } else if (args.is("cbm")) {
+      args.need(2);
+      const std::string name = args.text();
+      const int given = args.type(atom->ntypes);
+      types[{name, false}] = {given, given, given, 0, 0};
+    } else if (args.is("mesh")) {
+      args.need(2);
+      const bool file = args.choose({"icosphere", "file"}, "icosphere LEVEL or file PATH") == 1;
+      try {
+        mesh = file ? dcm::read_mesh(args.text()) : dcm::icosphere((int) args.whole(-MAXSMALLINT));
+      } catch (LAMMPSException &) {
+        throw;
+      } catch (std::exception &e) {
+        error->all(FLERR, "Create_cells: {}", e.what());
+      }
+    } else if (args.is("rest")) {
+      rest = args.number();
+      args.check(rest > 0.0 && rest <= 2.0, "above 0 and at most 2");
+    } else if (args.is("rotate")) {
+      rotate_seed = (int) args.whole();
+    } else {
+      equal_volume = args.choose({"volume", "nodes"}) == 0;
     }
-    return used;
   }
-  if (keyword == "rest") {
-    const int used = need(1);
-    rest = number(keyword, arg[1]);
-    if (rest <= 0.0 || rest > 2.0)
-      error->all(FLERR, "Create_cells: rest is {}, must be above 0 and at most 2", rest);
-    return used;
-  }
-  if (keyword == "rotate") {
-    const int used = need(1);
-    rotate_seed = utils::inumeric(FLERR, arg[1], false, lmp);
-    if (rotate_seed <= 0)
-      error->all(FLERR, "Create_cells: rotate needs a positive seed, not {}", rotate_seed);
-    return used;
-  }
-  if (keyword == "scale") {
-    const int used = need(1);
-    if (strcmp(arg[1], "volume") != 0 && strcmp(arg[1], "nodes") != 0)
-      error->all(FLERR, "Create_cells: scale is {}, must be volume or nodes", arg[1]);
-    equal_volume = (strcmp(arg[1], "volume") == 0);
-    return used;
-  }
-  error->all(FLERR, "Create_cells: unknown keyword {}; known: dcm cbm mesh rest rotate scale",
-             keyword);
-  return 0;
 }
 
 double CreateCells::number(const std::string &where, const std::string &text) const
@@ -243,17 +217,6 @@ double CreateCells::number(const std::string &where, const std::string &text) co
   const double value = utils::numeric(FLERR, text, false, lmp);
   if (!std::isfinite(value)) error->all(FLERR, "Create_cells: {}: {} is not finite", where, text);
   return value;
-}
-
-int CreateCells::type_number(const std::string &where, const std::string &text, int ntypes) const
-{
-  if (!utils::is_integer(text))
-    error->all(FLERR, "Create_cells: {}: '{}' is not a type number", where, text);
-  const int type = utils::inumeric(FLERR, text, false, lmp);
-  if (type < 1 || type > ntypes)
-    error->all(FLERR, "Create_cells: {}: type {} is not between 1 and {}; reserve it in create_box",
-               where, type, ntypes);
-  return type;
 }
 
 /* ----------------------------------------------------------------------

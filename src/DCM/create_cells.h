@@ -52,10 +52,9 @@ class CreateCells : public Command {
 
   void read_table(const std::string &);
   void add_request(const std::vector<std::string> &, const std::string &);
-  int parse_keyword(int, char **);
+  void parse_keywords(class DCMArgs &);
   DCMCellBuilder::Deformable shape(const Request &, tagint) const;
   double number(const std::string &, const std::string &) const;
-  int type_number(const std::string &, const std::string &, int) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -87,7 +87,7 @@ class DCMCellTable : protected Pointers {
     double volume, area;
     double x[3];    // deformable: mean of the nodes, unwrapped next to the center atom; sphere:
                     // where it was at the last rebuild, wrapped
-    int phase;    // of its life; cells that no style makes grow are QUIESCENT
+    int phase;      // of its life; cells that no style makes grow are QUIESCENT
     tagint mother;
     int generation;
     double birth;    // time

@@ -44,20 +44,3 @@ std::vector<double> LAMMPS_NS::dcm_cell_variable(LAMMPS *lmp, const std::string 
   MPI_Allreduce(MPI_IN_PLACE, values.data(), (int) values.size(), MPI_DOUBLE, MPI_SUM, lmp->world);
   return values;
 }
-
-/* ---------------------------------------------------------------------- */
-
-std::string LAMMPS_NS::dcm_variable_name(LAMMPS *lmp, const std::string &asking,
-                                         const std::string &text)
-{
-  if (text.compare(0, 2, "v_") != 0)
-    lmp->error->all(FLERR, "{}: expected an atom-style variable v_NAME, not {}", asking, text);
-  return text.substr(2);
-}
-
-void LAMMPS_NS::dcm_check_variable(LAMMPS *lmp, const std::string &asking, const std::string &name)
-{
-  const int ivar = lmp->input->variable->find(name.c_str());
-  if (ivar < 0 || !lmp->input->variable->atomstyle(ivar))
-    lmp->error->all(FLERR, "{}: there is no atom-style variable {}", asking, name);
-}

@@ -18,18 +18,11 @@
 
 namespace LAMMPS_NS {
 
-// atom-style variables as values of cells: that of the atom that stands for the cell
-
-// value at the atoms of some cells (molecules: sorted); collective
+// value of an atom-style variable at the atoms that stand for some cells (molecules: sorted);
+// collective
 
 std::vector<double> dcm_cell_variable(class LAMMPS *, const std::string &name,
                                       const std::vector<tagint> &molecules);
-
-// the argument v_NAME without its prefix; error if it is none, or, with exists, if there is no
-// such atom-style variable
-
-std::string dcm_variable_name(class LAMMPS *, const std::string &asking, const std::string &text);
-void dcm_check_variable(class LAMMPS *, const std::string &asking, const std::string &name);
 
 }    // namespace LAMMPS_NS
 

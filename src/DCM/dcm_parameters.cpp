@@ -13,13 +13,13 @@
 #include "comm.h"
 #include "dcm_text.h"
 #include "error.h"
+#include "fix_dcm_cell.h"
+#include "modify.h"
 #include "tokenizer.h"
 #include "utils.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
 
 using namespace LAMMPS_NS;
 
@@ -33,65 +33,116 @@ static const std::vector<std::string> KEYWORDS = {
     "friction_tangential", "friction_ecm", "a1", "a2", "a3", "a4", "D", "cycle_time", "cycle_sd"};
 // clang-format on
 
-DCMParameters::DCMParameters(LAMMPS *lmp, const std::string &_asking) :
-    Pointers(lmp), asking(_asking), names(1)
+DCMParameters::DCMParameters(LAMMPS *lmp, const std::string &_asking,
+                             const std::vector<std::string> &_keywords) :
+    Pointers(lmp),
+    asking(_asking), has_own(false), keywords(_keywords), names(1)
 {
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   what is no keyword must be a file: if neither, the error tells of both
+------------------------------------------------------------------------- */
 
-int DCMParameters::parse(int narg, char **arg, int ncount)
+void DCMParameters::parse(DCMArgs &args, int ntypes)
 {
-  if (narg < 1 + ncount)
+  args.add_keywords(keywords);
+  has_own = !args.keyword_ahead();
+  if (has_own) parse_table(args, ntypes);
+}
+
+void DCMParameters::parse_table(DCMArgs &args, int ntypes)
+{
+  if (args.left() < 1 + ntypes)
     error->all(FLERR,
-               "{}: expected a parameter file (or NULL) and {} cell-type name{}, got {} "
-               "arguments",
-               asking, ncount, ncount == 1 ? "" : "s (one per atom type)", narg);
-  file = (strcmp(arg[0], "NULL") == 0) ? "" : arg[0];
-  types.clear();
-  energies.clear();
-  if (!file.empty()) read_file();
-
+               "{}: expected {}FILE name1 ... nameN: a parameter file (or NULL) and {} cell-type "
+               "names (one per atom type); got {}",
+               asking, keywords.empty() ? "" : "a keyword (known: " + args.known() + ") or ",
+               ntypes,
+               args.left() ? fmt::format("{} and {} more", args.ahead(), args.left() - 1) : "none");
+  file = args.take();
+  read_file(args);
   names.assign(1, "");
-  for (int i = 1; i <= ncount; i++) {
-    const std::string name = (strcmp(arg[i], "NULL") == 0) ? "" : arg[i];
-    if (!name.empty() && !file.empty() && types.count(name) == 0) {
-      std::string known;
-      for (auto &t : types) known += " " + t.first;
-      error->all(FLERR, "{}: unknown cell type {}; parameter file {} has:{}", asking, name, file,
-                 known);
-    }
-    names.push_back(name);
+  for (int i = 1; i <= ntypes; i++) {
+    const std::string name = args.take();
+    names.push_back(name == "NULL" ? "" : name);
+    if (!names[i].empty() && !file.empty() && !types.count(names[i])) unknown_type(names[i]);
   }
-  return 1 + ncount;
 }
 
-/* ---------------------------------------------------------------------- */
-
-int DCMParameters::parse_keyword(int narg, char **arg, const std::vector<std::string> &known)
+void DCMParameters::parse_one(DCMArgs &args)
 {
-  if (std::find(known.begin(), known.end(), arg[0]) == known.end()) return 0;
-  if (narg < 2) error->all(FLERR, "{}: keyword {} needs a value", asking, arg[0]);
-  overrides[arg[0]] = number(arg[0], arg[1], ANY);
-  return 2;
+  args.add_keywords(keywords);
+  if (args.left() == 0)
+    error->all(FLERR, "{}: expected a cell type, with its parameter file before it or without",
+               asking);
+  has_own = !args.keyword_ahead(1);
+  if (has_own)
+    parse_table(args, 1);
+  else
+    wanted = args.take();
+}
+
+bool DCMParameters::parse_keyword(DCMArgs &args)
+{
+  if (std::find(keywords.begin(), keywords.end(), args.keyword()) == keywords.end()) return false;
+  overrides[args.keyword()] = args.number();
+  return true;
+}
+
+/* ----------------------------------------------------------------------
+   at each init(), since the deck may have named other ones
+------------------------------------------------------------------------- */
+
+void DCMParameters::resolve()
+{
+  if (has_own) return;
+  const auto fixes = modify->get_fix_by_style("^dcm/cell$");
+  const DCMParameters *const deck =
+      fixes.empty() ? nullptr : dynamic_cast<FixDCMCell *>(fixes[0])->cell_types();
+  if (!deck)
+    error->all(FLERR,
+               "{}: expected cell-type names: say 'fix cell all dcm/cell types FILE name1 ... "
+               "nameN' once for all styles, or give 'FILE name{}' to this one",
+               asking, wanted.empty() ? "1 ... nameN" : "");
+  file = deck->file;
+  types = deck->types;
+  energies = deck->energies;
+  names = deck->names;
+  if (wanted.empty()) return;
+  const bool listed = std::find(names.begin(), names.end(), wanted) != names.end();
+  if (file.empty() ? !listed : !types.count(wanted)) unknown_type(wanted);
+  names = {"", wanted};
+}
+
+void DCMParameters::unknown_type(const std::string &name) const
+{
+  std::string known;
+  for (const auto &t : types) known += " " + t.first;
+  error->all(FLERR, "{}: unknown cell type {}; {} has:{}", asking, name,
+             file.empty() ? std::string("fix dcm/cell") : "parameter file " + file,
+             file.empty() ? " " + utils::join_words(names, " ") : known);
 }
 
 /* ----------------------------------------------------------------------
    the file is read by rank 0 and parsed by all, so that all find the same errors
 ------------------------------------------------------------------------- */
 
-void DCMParameters::read_file()
+void DCMParameters::read_file(const DCMArgs &args)
 {
+  types.clear();
+  energies.clear();
+  if (file == "NULL") file.clear();
+  if (file.empty()) return;
   const std::string path = comm->me == 0 ? utils::get_potential_file_path(file) : "";
   std::string text;
   if (!dcm_read_text(comm, world, path, text))
     error->all(FLERR,
                "{}: cannot open parameter file {}; give its path or set LAMMPS_POTENTIALS to its "
-               "folder",
-               asking, file);
+               "folder. If no file was meant: known keywords are {}",
+               asking, file, args.known());
 
   std::string current;
-
   for (const auto &line : Tokenizer(text, "\n").as_vector())
     read_line(line.substr(0, line.find('#')), current);
 }
@@ -115,12 +166,12 @@ void DCMParameters::read_line(const std::string &line, std::string &current)
         error->all(FLERR, "{}: {}: unknown region {}; known: lateral polar apical junction", asking,
                    where, region);
     }
-    const double value = number("adhesion", words[3].c_str(), NONNEGATIVE);
+    const double value = DCMArgs::number(lmp, asking, "adhesion", words[3].c_str(), NONNEGATIVE);
     energies[{words[1], words[2]}] = value;
     energies[{words[2], words[1]}] = value;
   } else if (words.size() == 2 && !current.empty() &&
              std::find(KEYWORDS.begin(), KEYWORDS.end(), words[0]) != KEYWORDS.end()) {
-    types[current][words[0]] = number(words[0].c_str(), words[1].c_str(), ANY);
+    types[current][words[0]] = DCMArgs::number(lmp, asking, words[0], words[1].c_str(), ANY);
   } else {
     error->all(FLERR,
                "{}: {}: expected 'celltype NAME', 'KEYWORD VALUE' below a celltype, or "
@@ -131,38 +182,18 @@ void DCMParameters::read_line(const std::string &line, std::string &current)
 
 /* ---------------------------------------------------------------------- */
 
-double DCMParameters::number(const char *keyword, const char *text, Range range) const
-{
-  if (!utils::is_double(text))
-    error->all(FLERR, "{}: {} is '{}', expected a number", asking, keyword, text);
-  // not utils::numeric(), whose error about a number like 1e999 names neither style nor keyword
-  return check(keyword, std::strtod(text, nullptr), range, "");
-}
-
-double DCMParameters::check(const std::string &keyword, double value, Range range,
-                            const std::string &where) const
-{
-  const bool ok = std::isfinite(value) && (range == ANY || (range == POSITIVE && value > 0.0) ||
-                                           (range == NONNEGATIVE && value >= 0.0));
-  if (!ok)
-    error->all(FLERR, "{}: {}{} is {}, must be {}", asking, keyword, where, value,
-               range == POSITIVE ? "a positive number"
-                                 : (range == NONNEGATIVE ? "zero or positive" : "finite"));
-  return value;
-}
-
-/* ---------------------------------------------------------------------- */
-
 double DCMParameters::get(int slot, const std::string &keyword, Range range) const
 {
   const auto given = overrides.find(keyword);
-  if (given != overrides.end()) return check(keyword, given->second, range, "");
+  if (given != overrides.end())
+    return DCMArgs::in_range(lmp, asking, keyword, given->second, range);
   const auto type = types.find(names[slot]);
   if (type == types.end() || type->second.count(keyword) == 0)
     error->all(FLERR, "{}: no value of {} for cell type {}; add it to {} or give the keyword",
                asking, keyword, names[slot],
                file.empty() ? std::string("a parameter file") : "parameter file " + file);
-  return check(keyword, type->second.at(keyword), range, " of cell type " + names[slot]);
+  return DCMArgs::in_range(lmp, asking, keyword + " of cell type " + names[slot],
+                           type->second.at(keyword), range);
 }
 
 double DCMParameters::get(int slot, const std::string &keyword, Range range, double preset) const
@@ -180,7 +211,8 @@ double DCMParameters::get(int slot, const std::string &keyword, Range range, dou
 double DCMParameters::adhesion(int i, int ri, int j, int rj) const
 {
   const auto given = overrides.find("W");
-  if (given != overrides.end()) return check("W", given->second, NONNEGATIVE, "");
+  if (given != overrides.end())
+    return DCMArgs::in_range(lmp, asking, "W", given->second, NONNEGATIVE);
   const std::string a = names[i], b = names[j];
   const std::string ar = a + ":" + REGIONS[ri], br = b + ":" + REGIONS[rj];
   for (const auto &key : {std::make_pair(ar, br), std::make_pair(ar, b), std::make_pair(a, br),

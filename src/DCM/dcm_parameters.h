@@ -11,6 +11,7 @@
 #ifndef LMP_DCM_PARAMETERS_H
 #define LMP_DCM_PARAMETERS_H
 
+#include "dcm_args.h"
 #include "pointers.h"
 
 #include <map>
@@ -19,31 +20,40 @@
 
 namespace LAMMPS_NS {
 
-// Cell-type parameters of one style: read from a parameter file (potentials/*.dcm, doc page
-// parameters) and overridden by keywords of the deck.
+// Cell-type parameters of one style: from a parameter file (potentials/*.dcm, doc page parameters),
+// overridden by keywords of the deck. The file and the cell type of each atom type are named
 //
-// All styles of the package share one form of arguments,
-//   FILE name1 ... nameN [keyword value ...]
-// with one cell-type name per atom type (pair, fixes; NULL for types the style does not act on) or
-// a single name (bond_coeff, dihedral_coeff). FILE is NULL when every value comes by keyword.
+//   once in the deck:      fix cell all dcm/cell types FILE name1 ... nameN
+//   or for one style:      ... FILE name1 ... nameN [keyword value ...]
+//
+// name is NULL for atom types a style does not act on, FILE when every value comes by keyword.
+// Cortex styles name one cell type, with its file or without: [FILE] name.
+//
+// The deck's names are taken in init(), where the order of the deck no longer matters: call
+// resolve() there, before any value is asked for.
 
-class DCMParameters : protected Pointers {
+class DCMParameters : protected Pointers, public DCMRanges {
  public:
-  enum Range { ANY, NONNEGATIVE, POSITIVE };
-
   // asking: the style as it stands in the deck, for messages, e.g. "Pair style dcm/contact"
-  DCMParameters(class LAMMPS *, const std::string &asking);
+  // keywords: parameters that the deck may give in place of the file
+  DCMParameters(class LAMMPS *, const std::string &asking,
+                const std::vector<std::string> &keywords);
 
-  // read FILE and ncount names; returns the number of arguments used (1 + ncount)
-  int parse(int narg, char **arg, int ncount);
+  // FILE name1 ... nameN if it stands there; nothing if a keyword or the end comes first
+  void parse(DCMArgs &, int ntypes);
+  void parse_one(DCMArgs &);                  // [FILE] name
+  void parse_table(DCMArgs &, int ntypes);    // it must stand there
 
-  // take `keyword value` for all names if keyword is in known; returns 2 or 0 (not known)
-  int parse_keyword(int narg, char **arg, const std::vector<std::string> &known);
+  // take the values of the keyword if it is a parameter; for all names
+  bool parse_keyword(DCMArgs &);
+
+  // names from the deck if this style has none of its own; an error if there are none either
+  void resolve();
+  bool own() const { return has_own; }
 
   // name of slot 1..ncount, "" for NULL
   const std::string &name(int slot) const { return names[slot]; }
   bool used(int slot) const { return !names[slot].empty(); }
-  int count() const { return (int) names.size() - 1; }
 
   // value of a parameter; an error naming style, cell type, parameter and file when it is missing
   // or out of range; the second form has a default
@@ -54,20 +64,19 @@ class DCMParameters : protected Pointers {
   // error when the file names no adhesion for the two cell types
   double adhesion(int i, int ri, int j, int rj) const;
 
-  // a number of the deck, checked; errors name style and keyword
-  double number(const char *keyword, const char *text, Range range) const;
-
  private:
   std::string asking, file;
+  bool has_own;
+  std::vector<std::string> keywords;
+  std::string wanted;                                            // of parse_one() without FILE
   std::vector<std::string> names;                                // [1..ncount]
   std::map<std::string, std::map<std::string, double>> types;    // cell type -> keyword -> value
   std::map<std::pair<std::string, std::string>, double> energies;    // "type:region" pairs
   std::map<std::string, double> overrides;
 
-  void read_file();
+  void read_file(const DCMArgs &);
   void read_line(const std::string &line, std::string &current);
-  double check(const std::string &keyword, double value, Range range,
-               const std::string &where) const;
+  [[noreturn]] void unknown_type(const std::string &name) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -12,18 +12,14 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "comm.h"
 #include "law/cortex.h"
 #include "law/hinge.h"
-#include "dcm_parameters.h"
 #include "error.h"
 #include "force.h"
 #include "memory.h"
 #include "neighbor.h"
-#include "update.h"
 
 #include <algorithm>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 
@@ -32,7 +28,7 @@ static const char STYLE[] = "Dihedral style dcm/bend";
 /* ---------------------------------------------------------------------- */
 
 DihedralDCMBend::DihedralDCMBend(LAMMPS *lmp) :
-    Dihedral(lmp), data(nullptr), lastcall(-1), lastncalls(-1)
+    Dihedral(lmp), coefs(lmp, STYLE), dcm(nullptr), slots(lmp, STYLE, "dihedrals")
 {
   writedata = 1;
 }
@@ -52,13 +48,11 @@ void DihedralDCMBend::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
 
-  if (neighbor->lastcall != lastcall || neighbor->ncalls != lastncalls ||
-      neighbor->ndihedrallist != (int) slot.size())
-    match_slots();
+  if (slots.stale(neighbor->ndihedrallist)) match_slots();
 
   double **x = atom->x;
   double **f = atom->f;
-  double **theta0 = data->theta0;
+  double **theta0 = dcm->theta0;
   int **dihedrallist = neighbor->dihedrallist;
   const int ndihedrallist = neighbor->ndihedrallist;
   const int nlocal = atom->nlocal;
@@ -66,7 +60,7 @@ void DihedralDCMBend::compute(int eflag, int vflag)
   for (int n = 0; n < ndihedrallist; n++) {
     const int *const i = dihedrallist[n];
     const Coef &coef = coefs[i[4]];
-    const double rest = coef.mesh ? theta0[i[1]][slot[n]] : 0.0;
+    const double rest = coef.mesh ? theta0[i[1]][slots[n]] : 0.0;
     dcm::Hinge h = dcm::hinge(coef.kb, rest, dcm::vec(x[i[0]]), dcm::vec(x[i[1]]),
                               dcm::vec(x[i[2]]), dcm::vec(x[i[3]]));
 
@@ -88,41 +82,24 @@ void DihedralDCMBend::compute(int eflag, int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   find the slot of every hinge in the list, which NTopo fills in the order of
-   atoms and slots, leaving out hinges that are switched off or belong to another
-   style of dihedral_style hybrid; give hinges that are new a rest angle
+   a hinge that is new gets its angle as rest angle
 ------------------------------------------------------------------------- */
 
 void DihedralDCMBend::match_slots()
 {
-  const tagint *tag = atom->tag;
-  double **x = atom->x;
-  int **dihedrallist = neighbor->dihedrallist;
-  const int ndihedrallist = neighbor->ndihedrallist;
-
-  slot.resize(ndihedrallist);
-  int n = 0;
-  for (int i = 0; i < atom->nlocal && n < ndihedrallist; i++) {
-    for (int m = 0; m < atom->num_dihedral[i] && n < ndihedrallist; m++) {
-      const int *const l = dihedrallist[n];
-      if (l[1] != i || l[4] != atom->dihedral_type[i][m] ||
-          tag[l[0]] != atom->dihedral_atom1[i][m] || tag[l[2]] != atom->dihedral_atom3[i][m] ||
-          tag[l[3]] != atom->dihedral_atom4[i][m])
-        continue;
-      double &rest = data->theta0[i][m];
-      if (rest > 4.0 && coefs[l[4]].mesh)
-        rest = dcm::hinge_angle(dcm::vec(x[l[0]]), dcm::vec(x[l[1]]), dcm::vec(x[l[2]]),
-                                dcm::vec(x[l[3]]));
-      slot[n++] = m;
-    }
-  }
-  if (n != ndihedrallist)
-    error->one(FLERR,
-               "{}: {} of {} dihedrals of the neighbor list are not stored with their second "
-               "atom; another style must have changed the list or the dihedrals at step {}",
-               STYLE, ndihedrallist - n, ndihedrallist, update->ntimestep);
-  lastcall = neighbor->lastcall;
-  lastncalls = neighbor->ncalls;
+  double **x = atom->x, **theta0 = dcm->theta0;
+  const DCMSlots::Stored stored = {
+      1,
+      4,
+      atom->num_dihedral,
+      atom->dihedral_type,
+      {{0, atom->dihedral_atom1}, {2, atom->dihedral_atom3}, {3, atom->dihedral_atom4}}};
+  slots.match(neighbor->dihedrallist, neighbor->ndihedrallist, stored, [=](const int *i, int m) {
+    double &rest = theta0[i[1]][m];
+    if (rest > 4.0 && coefs[i[4]].mesh)
+      rest = dcm::hinge_angle(dcm::vec(x[i[0]]), dcm::vec(x[i[1]]), dcm::vec(x[i[2]]),
+                              dcm::vec(x[i[3]]));
+  });
 }
 
 /* ---------------------------------------------------------------------- */
@@ -133,61 +110,32 @@ void DihedralDCMBend::allocate()
   const int np1 = atom->ndihedraltypes + 1;
   memory->create(setflag, np1, "dihedral:setflag");
   std::fill(setflag, setflag + np1, 0);
-  coefs.assign(np1, Coef());
-}
-
-void DihedralDCMBend::derive(Coef &coef)
-{
-  coef.kb = dcm::bending_stiffness(coef.E, coef.h, coef.nu);
+  coefs.allocate(atom->ndihedraltypes);
 }
 
 /* ----------------------------------------------------------------------
-   dihedral_coeff N FILE CELLTYPE [E_cor v] [h_cor v] [nu_cor v] [rest flat|mesh]
+   dihedral_coeff N [FILE] CELLTYPE [E_cor v] [h_cor v] [nu_cor v] [rest flat|mesh]
 ------------------------------------------------------------------------- */
+
+std::vector<DCMField> DihedralDCMBend::Coef::fields()
+{
+  return {{"E_cor", E, DCMParameters::POSITIVE},
+          {"h_cor", h, DCMParameters::POSITIVE},
+          {"nu_cor", nu, DCMParameters::ANY, 0.5},
+          {"rest", mesh, {"flat", "mesh"}}};
+}
+
+std::string DihedralDCMBend::Coef::derive()
+{
+  if (!(nu > -1.0 && nu < 1.0)) return fmt::format("nu_cor is {}, must be between -1 and 1", nu);
+  kb = dcm::bending_stiffness(E, h, nu);
+  return "";
+}
 
 void DihedralDCMBend::coeff(int narg, char **arg)
 {
   if (!allocated) allocate();
-  if (narg < 1) error->all(FLERR, "{}: dihedral_coeff needs a dihedral type", STYLE);
-
-  int ilo, ihi;
-  utils::bounds(FLERR, arg[0], 1, atom->ndihedraltypes, ilo, ihi, error);
-
-  DCMParameters parameters(lmp, STYLE);
-  Coef coef;
-  int iarg = 1 + parameters.parse(narg - 1, arg + 1, 1);
-  coef.name = arg[2];
-  while (iarg < narg) {
-    const int used =
-        parameters.parse_keyword(narg - iarg, arg + iarg, {"E_cor", "h_cor", "nu_cor"});
-    const bool has_value = iarg + 1 < narg;
-    if (used) {
-      iarg += used;
-    } else if (strcmp(arg[iarg], "rest") == 0) {
-      if (has_value && strcmp(arg[iarg + 1], "flat") == 0)
-        coef.mesh = 0;
-      else if (has_value && strcmp(arg[iarg + 1], "mesh") == 0)
-        coef.mesh = 1;
-      else
-        error->all(FLERR, "{}: rest must be flat or mesh, not {}", STYLE,
-                   has_value ? arg[iarg + 1] : "missing");
-      iarg += 2;
-    } else {
-      error->all(FLERR, "{}: unknown keyword {}; known: E_cor h_cor nu_cor rest", STYLE, arg[iarg]);
-    }
-  }
-  coef.E = parameters.get(1, "E_cor", DCMParameters::POSITIVE);
-  coef.h = parameters.get(1, "h_cor", DCMParameters::POSITIVE);
-  coef.nu = parameters.get(1, "nu_cor", DCMParameters::ANY, 0.5);
-  if (!(coef.nu > -1.0 && coef.nu < 1.0))
-    error->all(FLERR, "{}: nu_cor of cell type {} is {}, must be between -1 and 1", STYLE,
-               coef.name, coef.nu);
-  derive(coef);
-
-  for (int i = ilo; i <= ihi; i++) {
-    coefs[i] = coef;
-    setflag[i] = 1;
-  }
+  coefs.parse(narg, arg, setflag);
 }
 
 /* ----------------------------------------------------------------------
@@ -196,74 +144,37 @@ void DihedralDCMBend::coeff(int narg, char **arg)
 
 void DihedralDCMBend::init_style()
 {
-  data = AtomVecDCM::require(lmp, STYLE);
+  dcm = AtomVecDCM::require(lmp, STYLE);
   if (!force->newton_bond)
     error->all(FLERR,
                "{} needs newton on for bonds: rest angles belong to one atom of each dihedral",
                STYLE);
-  lastcall = lastncalls = -1;    // the lists are rebuilt in setup, possibly at the same step
-}
-
-/* ----------------------------------------------------------------------
-   restart files hold the coefficients, so that no parameter file is needed
-------------------------------------------------------------------------- */
-
-void DihedralDCMBend::write_restart(FILE *fp)
-{
-  for (int i = 1; i <= atom->ndihedraltypes; i++) {
-    const Coef &coef = coefs[i];
-    const double values[3] = {coef.E, coef.h, coef.nu};
-    const int flags[2] = {coef.mesh, (int) coef.name.size()};
-    fwrite(values, sizeof(double), 3, fp);
-    fwrite(flags, sizeof(int), 2, fp);
-    fwrite(coef.name.data(), sizeof(char), coef.name.size(), fp);
-  }
+  coefs.resolve();
+  slots.forget();
 }
 
 /* ---------------------------------------------------------------------- */
 
+void DihedralDCMBend::write_restart(FILE *fp)
+{
+  coefs.write_restart(fp);
+}
+
 void DihedralDCMBend::read_restart(FILE *fp)
 {
   allocate();
-  for (int i = 1; i <= atom->ndihedraltypes; i++) {
-    double values[3];
-    int flags[2];
-    if (comm->me == 0) {
-      utils::sfread(FLERR, values, sizeof(double), 3, fp, nullptr, error);
-      utils::sfread(FLERR, flags, sizeof(int), 2, fp, nullptr, error);
-    }
-    MPI_Bcast(values, 3, MPI_DOUBLE, 0, world);
-    MPI_Bcast(flags, 2, MPI_INT, 0, world);
-    Coef &coef = coefs[i];
-    coef.E = values[0];
-    coef.h = values[1];
-    coef.nu = values[2];
-    coef.mesh = flags[0];
-    coef.name.resize(flags[1]);
-    if (comm->me == 0)
-      utils::sfread(FLERR, &coef.name[0], sizeof(char), flags[1], fp, nullptr, error);
-    MPI_Bcast(&coef.name[0], flags[1], MPI_CHAR, 0, world);
-    derive(coef);
-    setflag[i] = 1;
-  }
+  coefs.read_restart(fp);
+  std::fill(setflag + 1, setflag + 1 + coefs.count(), 1);
 }
-
-/* ----------------------------------------------------------------------
-   coefficients as arguments that coeff() reads back, all digits kept
-------------------------------------------------------------------------- */
 
 void DihedralDCMBend::write_data(FILE *fp)
 {
-  for (int i = 1; i <= atom->ndihedraltypes; i++) {
-    const Coef &coef = coefs[i];
-    utils::print(fp, "{} NULL {} E_cor {:.17g} h_cor {:.17g} nu_cor {:.17g} rest {}\n", i,
-                 coef.name, coef.E, coef.h, coef.nu, coef.mesh ? "mesh" : "flat");
-  }
+  coefs.write_data(fp);
 }
 
 /* ---------------------------------------------------------------------- */
 
 double DihedralDCMBend::memory_usage()
 {
-  return Dihedral::memory_usage() + (double) slot.capacity() * sizeof(int);
+  return Dihedral::memory_usage() + slots.memory_usage();
 }

@@ -17,6 +17,8 @@ DihedralStyle(dcm/bend,DihedralDCMBend);
 #ifndef LMP_DIHEDRAL_DCM_BEND_H
 #define LMP_DIHEDRAL_DCM_BEND_H
 
+#include "dcm_coefs.h"
+#include "dcm_slots.h"
 #include "dihedral.h"
 
 #include <string>
@@ -47,18 +49,18 @@ class DihedralDCMBend : public Dihedral {
  private:
   struct Coef {
     double E = 0.0, h = 0.0, nu = 0.0;
-    int mesh = 0;       // int: written to restart files
+    int mesh = 0;
     double kb = 0.0;    // from E, h and nu
-    std::string name;
-  };
-  std::vector<Coef> coefs;    // [1..ndihedraltypes]
 
-  struct DCMAtoms *data;
-  std::vector<int> slot;    // per entry of neighbor->dihedrallist: slot of its second atom
-  bigint lastcall, lastncalls;
+    std::vector<DCMField> fields();
+    std::string derive();
+  };
+  DCMCoefs<Coef> coefs;
+
+  struct DCMAtoms *dcm;
+  DCMSlots slots;    // of neighbor->dihedrallist, stored with the second atom
 
   void allocate();
-  void derive(Coef &);
   void match_slots();
 };
 

@@ -15,6 +15,8 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "law/curvature.h"
+#include "dcm_args.h"
+#include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "dcm_rest_file.h"
 #include "law/volume.h"
@@ -47,7 +49,11 @@ static constexpr int NCURV = 7;    // per node: Laplace vector, normal, area
 FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), table(lmp)
 {
   dcm = AtomVecDCM::require(lmp, "Fix dcm/cell");
-  if (narg > 3) error->all(FLERR, "Fix dcm/cell: unknown keyword {}; it takes none", arg[3]);
+  DCMArgs args(lmp, "Fix dcm/cell", narg - 3, arg + 3, {"types"});
+  while (args.next()) {
+    types = std::make_unique<DCMParameters>(lmp, "Fix dcm/cell", std::vector<std::string>());
+    types->parse_table(args, atom->ntypes);
+  }
   if (igroup != 0) error->all(FLERR, "Fix dcm/cell must have group all, not {}", arg[1]);
   if (!modify->get_fix_by_style("^dcm/cell$").empty())
     error->all(FLERR, "There is a fix dcm/cell already (ID {}); a deck has exactly one",
@@ -56,6 +62,8 @@ FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg),
   comm_reverse = NCURV;
   restart_global = 1;
 }
+
+FixDCMCell::~FixDCMCell() = default;
 
 int FixDCMCell::setmask()
 {

@@ -22,6 +22,7 @@ FixStyle(dcm/cell,FixDCMCell);
 #include "fix.h"
 
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -43,6 +44,7 @@ class FixDCMCell : public Fix {
   };
 
   FixDCMCell(class LAMMPS *, int, char **);
+  ~FixDCMCell() override;
   int setmask() override;
   void init() override;
   void setup_pre_neighbor() override;
@@ -51,6 +53,10 @@ class FixDCMCell : public Fix {
   void pre_force(int) override;
   void write_restart(FILE *) override;
   void restart(char *) override;
+
+  // cell types of the deck (keyword types) for styles without names of their own, nullptr: not
+  // given
+  const class DCMParameters *cell_types() const { return types.get(); }
 
   // the table; to be changed only by those who change the atoms as well
 
@@ -124,6 +130,7 @@ class FixDCMCell : public Fix {
   enum Comm { GEOMETRY, CURVATURE, REGION };
 
   struct DCMAtoms *dcm;
+  std::unique_ptr<class DCMParameters> types;
   DCMCellTable table;
   int nowned_faces = 0;
   std::vector<Face> face_list;

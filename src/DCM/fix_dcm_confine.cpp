@@ -14,7 +14,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_compat.h"
-#include "dcm_parameters.h"
+#include "dcm_args.h"
 #include "dcm_record.h"
 #include "law/vector.h"
 #include "domain.h"
@@ -33,8 +33,6 @@ using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/confine";
 static constexpr int RECORD = 1;    // version of the restart record
-static const std::vector<std::string> KEYWORDS = {"pressure", "over", "axis",  "center", "tau",
-                                                  "limit",    "area", "plane", "at",     "group"};
 
 // The controller integrates the error of the pressure expected LEAD tau ahead, the slope taken
 // from a filter of FILTER tau. Chosen on overdamped chains: no overshoot above 2 % as long as the
@@ -58,60 +56,41 @@ FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
 
-  const DCMParameters parameters(lmp, STYLE);
-  const auto POSITIVE = DCMParameters::POSITIVE;
-  auto axis_of = [&](const char *keyword, const char *text) {
-    if (strlen(text) != 1 || text[0] < 'x' || text[0] > 'z')
-      error->all(FLERR, "{}: {} must be x, y or z, not {}", STYLE, keyword, text);
-    return text[0] - 'x';
-  };
-
+  DCMArgs args(
+      lmp, STYLE, narg - 3, arg + 3,
+      {"pressure", "over", "axis", "center", "tau", "limit", "area", "plane", "at", "group"});
   double offset[2] = {0.0, 0.0};
   std::string of_pressure, of_plane;    // keywords that need the other one
-  int iarg = 3;
-  while (iarg < narg) {
-    const std::string key = arg[iarg];
-    if (std::find(KEYWORDS.begin(), KEYWORDS.end(), key) == KEYWORDS.end())
-      error->all(FLERR, "{}: unknown keyword {}; known: {}", STYLE, key,
-                 utils::join_words(KEYWORDS, " "));
-    const int nvalues = key == "center" || key == "plane" ? 2 : 1;
-    if (iarg + nvalues >= narg)
-      error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, nvalues,
-                 nvalues > 1 ? "s" : "");
-    char **value = arg + iarg + 1;
-    if (key == "pressure") {
-      target = parameters.number("pressure", value[0], POSITIVE);
-    } else if (key == "over") {
-      measured = value[0];
-      measured_bit = group_bit("over", value[0]);
-      of_pressure = key;
-    } else if (key == "axis") {
-      axis = axis_of("axis", value[0]);
-      of_pressure = key;
-    } else if (key == "center") {
-      for (int k = 0; k < 2; k++)
-        offset[k] = parameters.number("center", value[k], DCMParameters::ANY);
-      of_pressure = key;
-    } else if (key == "tau") {
-      tau = parameters.number("tau", value[0], POSITIVE);
-      of_pressure = key;
-    } else if (key == "limit") {
-      limit = parameters.number("limit", value[0], POSITIVE);
-      of_pressure = key;
-    } else if (key == "area") {
-      outer_area = parameters.number("area", value[0], POSITIVE);
-      of_pressure = key;
-    } else if (key == "plane") {
-      plane = axis_of("plane", value[0]);
-      spring = parameters.number("plane force constant", value[1], POSITIVE);
-    } else if (key == "at") {
-      at = parameters.number("at", value[0], DCMParameters::ANY);
-      of_plane = key;
-    } else {
-      plane_bit = group_bit("group", value[0]);
-      of_plane = key;
+  while (args.next()) {
+    if (args.is("pressure")) {
+      target = args.number(DCMArgs::POSITIVE);
+      continue;
     }
-    iarg += 1 + nvalues;
+    if (args.is("plane")) {
+      args.need(2);
+      plane = args.axis();
+      spring = args.number(DCMArgs::POSITIVE, "plane force constant");
+      continue;
+    }
+    (args.is("at") || args.is("group") ? of_plane : of_pressure) = args.keyword();
+    if (args.is("over")) {
+      measured = args.text();
+    } else if (args.is("axis")) {
+      axis = args.axis();
+    } else if (args.is("center")) {
+      args.need(2);
+      for (double &component : offset) component = args.number();
+    } else if (args.is("tau")) {
+      tau = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("limit")) {
+      limit = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("area")) {
+      outer_area = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("at")) {
+      at = args.number();
+    } else {
+      held = args.text();
+    }
   }
   if (target == 0.0 && plane < 0)
     error->all(FLERR, "{}: give 'pressure P over GROUP', 'plane x|y|z K' or both", STYLE);
@@ -119,7 +98,7 @@ FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
     error->all(FLERR, "{}: keyword {} needs keyword pressure", STYLE, of_pressure);
   if (plane < 0 && !of_plane.empty())
     error->all(FLERR, "{}: keyword {} needs keyword plane", STYLE, of_plane);
-  if (target > 0.0 && measured_bit == 0)
+  if (target > 0.0 && measured.empty())
     error->all(FLERR, "{}: pressure needs 'over GROUP', the cells whose mean pressure is driven",
                STYLE);
 
@@ -137,13 +116,6 @@ FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
   restart_global = target > 0.0;
 }
 
-int FixDCMConfine::group_bit(const char *keyword, const char *id)
-{
-  const int found = group->find(id);
-  if (found < 0) error->all(FLERR, "{}: {}: there is no group {}", STYLE, keyword, id);
-  return group->bitmask[found];
-}
-
 /* ----------------------------------------------------------------------
    forces are added before the reverse communication rather than in post_force:
    in setup() the velocities may be solved for before this fix's turn comes
@@ -159,7 +131,9 @@ int FixDCMConfine::setmask()
 void FixDCMConfine::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  if (!held.empty()) plane_bit = dcm_find_group(lmp, std::string(STYLE) + ": group", held);
   if (target == 0.0) return;
+  measured_bit = dcm_find_group(lmp, std::string(STYLE) + ": over", measured);
   if (!(traits_of(lmp) & GIVES_PRESSURE))
     error->all(FLERR, "{}: pressure needs a fix dcm/volume, without it cells have no pressure",
                STYLE);

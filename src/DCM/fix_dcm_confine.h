@@ -66,12 +66,12 @@ class FixDCMConfine : public Fix, public DCMRole {
 
   int plane;            // 0-2: normal of the plane, -1: none
   double spring, at;    // force constant, position
+  std::string held;     // group held in the plane, empty: that of the fix
   int plane_bit;
   double energy, farthest;    // of this rank's cells; deformable ones count on rank 0
 
   std::vector<double> cell_force;    // per deformable cell 3
 
-  int group_bit(const char *keyword, const char *id);
   void add_force(const double *, int, double *);
   void estimate_reference();
   double mean_pressure() const;

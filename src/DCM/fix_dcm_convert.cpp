@@ -13,9 +13,9 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_args.h"
 #include "dcm_compat.h"
 #include "dcm_cell_variable.h"
-#include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "law/random.h"
 #include "law/shape.h"
@@ -23,7 +23,6 @@
 #include "domain.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
-#include "group.h"
 #include "modify.h"
 #include "region.h"
 #include "update.h"
@@ -77,60 +76,39 @@ FixDCMConvert::FixDCMConvert(LAMMPS *lmp, int narg, char **arg) :
 
 void FixDCMConvert::parse(int narg, char **arg)
 {
-  const DCMParameters parameters(lmp, STYLE);
-  int iarg = 0;
-  auto need = [&](const std::string &key, int n) {
-    if (iarg + n >= narg)
-      error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, n, n > 1 ? "s" : "");
-    char **const values = arg + iarg + 1;
-    iarg += 1 + n;
-    return values;
-  };
-  auto whole = [&](const std::string &key, const char *text, int most) {
-    const double value = parameters.number(key.c_str(), text, DCMParameters::POSITIVE);
-    if (value != std::floor(value) || value > most)
-      error->all(FLERR, "{}: {} is {}, must be a whole number of 1 to {}", STYLE, key, text, most);
-    return (int) value;
-  };
-  while (iarg < narg) {
-    const std::string key = arg[iarg];
-    if (key == "dcm") {
-      char **const v = need(key, 5);
-      deformable = {whole(key, v[0], atom->ntypes), whole(key, v[1], atom->ntypes),
-                    whole(key, v[2], atom->ntypes), whole(key, v[3], atom->nbondtypes),
-                    whole(key, v[4], atom->ndihedraltypes)};
-    } else if (key == "cbm") {
-      sphere.center = whole(key, need(key, 1)[0], atom->ntypes);
-    } else if (key == "region") {
-      char **const v = need(key, 2);
-      region_id[0] = v[0];
-      region_id[1] = v[1];
-    } else if (key == "near") {
-      char **const v = need(key, 3);
-      group_id = v[0];
-      for (int k = 0; k < 2; k++)
-        near[k] = parameters.number("near", v[1 + k], DCMParameters::POSITIVE);
+  DCMArgs args(lmp, STYLE, narg, arg,
+               {"dcm", "cbm", "region", "near", "variable", "mesh", "rest", "every", "seed"});
+  while (args.next()) {
+    if (args.is("dcm")) {
+      args.need(5);
+      deformable.center = args.type(atom->ntypes);
+      deformable.node = args.type(atom->ntypes);
+      deformable.face = args.type(atom->ntypes);
+      deformable.bond = args.type(atom->nbondtypes);
+      deformable.dihedral = args.type(atom->ndihedraltypes);
+    } else if (args.is("cbm")) {
+      sphere.center = args.type(atom->ntypes);
+    } else if (args.is("region")) {
+      args.need(2);
+      for (auto &id : region_id) id = args.text();
+    } else if (args.is("near")) {
+      args.need(3);
+      group_id = args.text();
+      for (double &distance : near) distance = args.number(DCMArgs::POSITIVE);
       if (near[1] < near[0])
-        error->all(FLERR, "{}: near: the second distance, {}, is below the first, {}", STYLE, v[2],
-                   v[1]);
-    } else if (key == "variable") {
-      variable = dcm_variable_name(lmp, STYLE, need(key, 1)[0]);
-    } else if (key == "mesh") {
-      char **const v = need(key, 2);
-      if (strcmp(v[0], "icosphere") != 0)
-        error->all(FLERR, "{}: mesh must be icosphere LEVEL, not {}", STYLE, v[0]);
-      level = whole(key, v[1], 5);
-    } else if (key == "rest") {
-      rest = parameters.number("rest", need(key, 1)[0], DCMParameters::POSITIVE);
-    } else if (key == "every") {
-      nevery = whole(key, need(key, 1)[0], MAXSMALLINT);
-    } else if (key == "seed") {
-      seed = whole(key, need(key, 1)[0], MAXSMALLINT);
+        error->all(FLERR, "{}: near: the second distance, {}, is below the first, {}", STYLE,
+                   near[1], near[0]);
+    } else if (args.is("variable")) {
+      variable = args.variable();
+    } else if (args.is("mesh")) {
+      args.choose({"icosphere"}, "icosphere LEVEL");
+      level = (int) args.whole(1, 5);
+    } else if (args.is("rest")) {
+      rest = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("every")) {
+      nevery = (int) args.whole();
     } else {
-      error->all(FLERR,
-                 "{}: unknown keyword {}; known: dcm cbm region near variable mesh rest "
-                 "every seed",
-                 STYLE, key);
+      seed = args.whole();
     }
   }
 }
@@ -149,18 +127,10 @@ void FixDCMConvert::init()
   ratio = cell->change_cells().add(STYLE, "rest_ratio", DCMColumn::INHERIT, 1.0, {}, ratio);
   cell->refresh();
   cell->cells().require_ids(STYLE);
-  for (int k = 0; k < 2; k++) {
-    if (region_id[k].empty()) continue;
-    region[k] = domain->get_region_by_id(region_id[k]);
-    if (!region[k]) error->all(FLERR, "{}: there is no region {}", STYLE, region_id[k]);
-    region[k]->init();
-  }
-  if (!variable.empty()) dcm_check_variable(lmp, STYLE, variable);
-  if (!group_id.empty()) {
-    const int igroup2 = group->find(group_id);
-    if (igroup2 < 0) error->all(FLERR, "{}: there is no group {}", STYLE, group_id);
-    near_bit = group->bitmask[igroup2];
-  }
+  for (int k = 0; k < 2; k++)
+    if (!region_id[k].empty()) region[k] = dcm_find_region(lmp, STYLE, region_id[k]);
+  if (!variable.empty()) dcm_find_variable(lmp, STYLE, variable);
+  if (!group_id.empty()) near_bit = dcm_find_group(lmp, STYLE, group_id);
   DCMCellSurgery::require_laws(lmp, STYLE);
   DCMCellSurgery::check_order(lmp, this, STYLE);
   DCMCellBuilder(lmp, STYLE, false).reserve_slots(top.slots);

@@ -12,12 +12,11 @@
 
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_args.h"
 #include "dcm_cell_variable.h"
-#include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "law/random.h"
 #include "dcm_cell_surgery.h"
-#include "domain.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "group.h"
@@ -33,6 +32,8 @@ using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/death";
 static constexpr int RECORD = 1;    // version of the restart record
+static const char HEADER[] = "# LAMMPS-DCM death log; units um nN s\n"
+                             "# step time cell kind reason volume\n";
 
 // a shrinking cell goes when this part of its rest volume is left, not a step later by round-off
 
@@ -45,49 +46,31 @@ static constexpr double LEAST = 0.05 + 1.0e-9;
 
 FixDCMDeath::FixDCMDeath(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cell(nullptr), rest(lmp), region(nullptr), age(-1.0), rate(-1.0),
-    shrink(0.0), always(false), seed(0), log(nullptr), continued(false), removed(0)
+    shrink(0.0), always(false), seed(0), log(lmp, STYLE, HEADER), removed(0)
 {
   AtomVecDCM::require(lmp, STYLE);
-  const DCMParameters parameters(lmp, STYLE);
   nevery = 1;
-  for (int iarg = 3; iarg < narg; iarg++) {
-    const std::string key = arg[iarg];
-    if (key == "all") {
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
+               {"all", "region", "age", "variable", "rate", "seed", "shrink", "every", "log"});
+  while (args.next()) {
+    if (args.is("all"))
       always = true;
-      continue;
-    }
-    static const std::vector<std::string> known = {"all",  "region", "age",   "variable", "rate",
-                                                   "seed", "shrink", "every", "log"};
-    if (std::find(known.begin(), known.end(), key) == known.end())
-      error->all(FLERR, "{}: unknown keyword {}; known: {}", STYLE, key,
-                 utils::join_words(known, " "));
-    if (++iarg >= narg) error->all(FLERR, "{}: keyword {} needs a value", STYLE, key);
-    const char *const value = arg[iarg];
-    auto positive = [&]() {
-      return parameters.number(key.c_str(), value, DCMParameters::POSITIVE);
-    };
-    auto whole = [&]() {
-      const double number = positive();
-      if (number != std::floor(number) || number > MAXSMALLINT)
-        error->all(FLERR, "{}: {} is {}, must be a positive whole number", STYLE, key, value);
-      return (int) number;
-    };
-    if (key == "region")
-      region_id = value;
-    else if (key == "variable")
-      variable = dcm_variable_name(lmp, STYLE, value);
-    else if (key == "log")
-      log_name = value;
-    else if (key == "age")
-      age = parameters.number("age", value, DCMParameters::NONNEGATIVE);
-    else if (key == "rate")
-      rate = positive();
-    else if (key == "shrink")
-      shrink = positive();
-    else if (key == "seed")
-      seed = whole();
+    else if (args.is("region"))
+      region_id = args.text();
+    else if (args.is("age"))
+      age = args.number(DCMArgs::NONNEGATIVE);
+    else if (args.is("variable"))
+      variable = args.variable();
+    else if (args.is("rate"))
+      rate = args.number(DCMArgs::POSITIVE);
+    else if (args.is("seed"))
+      seed = args.whole();
+    else if (args.is("shrink"))
+      shrink = args.number(DCMArgs::POSITIVE);
+    else if (args.is("every"))
+      nevery = (int) args.whole();
     else
-      nevery = whole();
+      log.name(args.text());
   }
   if (!always && region_id.empty() && variable.empty() && age < 0.0 && rate < 0.0)
     error->all(FLERR, "{}: who dies? give all, region, age, variable or rate", STYLE);
@@ -101,11 +84,6 @@ FixDCMDeath::FixDCMDeath(LAMMPS *lmp, int narg, char **arg) :
   restart_global = 1;
   force_reneighbor = 1;
   next_reneighbor = -1;
-}
-
-FixDCMDeath::~FixDCMDeath()
-{
-  if (log) fclose(log);
 }
 
 int FixDCMDeath::setmask()
@@ -126,12 +104,8 @@ void FixDCMDeath::init()
   spheres = cell->request_spheres();
   cell->refresh();
   cell->cells().require_ids(STYLE);
-  if (!region_id.empty()) {
-    region = domain->get_region_by_id(region_id);
-    if (!region) error->all(FLERR, "{}: there is no region {}", STYLE, region_id);
-    region->init();
-  }
-  if (!variable.empty()) dcm_check_variable(lmp, STYLE, variable);
+  if (!region_id.empty()) region = dcm_find_region(lmp, STYLE, region_id);
+  if (!variable.empty()) dcm_find_variable(lmp, STYLE, variable);
   if (rate > 0.0 && rate * update->dt * nevery > 0.1)
     error->all(FLERR,
                "{}: rate {} means {} deaths per cell between two looks; it must be at most 0.1, "
@@ -147,13 +121,7 @@ void FixDCMDeath::init()
 
 void FixDCMDeath::setup(int /*vflag*/)
 {
-  if (log_name.empty() || log || comm->me != 0) return;
-  log = fopen(log_name.c_str(), continued ? "a" : "w");
-  if (!log) error->one(FLERR, "{}: cannot open log {}: {}", STYLE, log_name, utils::getsyserror());
-  if (fseek(log, 0, SEEK_END) == 0 && ftell(log) == 0)
-    utils::print(log, "# LAMMPS-DCM death log; units um nN s\n"
-                      "# step time cell kind reason volume\n");
-  fflush(log);
+  log.open();
 }
 
 /* ----------------------------------------------------------------------
@@ -263,13 +231,12 @@ void FixDCMDeath::pre_exchange()
   surgery.end();
   for (const tagint molecule : gone) {
     const auto it = table[table.find(molecule)];
-    if (log)
-      utils::print(log, "{} {:.10g} {} {} {} {:.8g}\n", update->ntimestep, table.time(), molecule,
-                   it.deformable ? "dcm" : "cbm", reason(), it.volume0);
+    log.print("{} {:.10g} {} {} {} {:.8g}\n", update->ntimestep, table.time(), molecule,
+              it.deformable ? "dcm" : "cbm", reason(), it.volume0);
     table.removed(molecule);
     removed++;
   }
-  if (log) fflush(log);
+  log.flush();
   gone.clear();
 }
 
@@ -313,7 +280,7 @@ void FixDCMDeath::restart(char *buf)
   record.get(states);
   shrinking.clear();
   for (size_t n = 0; n < molecules.size(); n++) shrinking[molecules[n]] = states[n];
-  continued = true;
+  log.go_on();
 }
 
 /* ----------------------------------------------------------------------

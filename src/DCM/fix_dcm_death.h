@@ -17,6 +17,7 @@ FixStyle(dcm/death,FixDCMDeath);
 #ifndef LMP_FIX_DCM_DEATH_H
 #define LMP_FIX_DCM_DEATH_H
 
+#include "dcm_log.h"
 #include "dcm_request.h"
 #include "dcm_rest_change.h"
 #include "dcm_role.h"
@@ -35,7 +36,6 @@ namespace LAMMPS_NS {
 class FixDCMDeath : public Fix, public DCMRole {
  public:
   FixDCMDeath(class LAMMPS *, int, char **);
-  ~FixDCMDeath() override;
   int setmask() override;
   void post_constructor() override;
   void init() override;
@@ -63,9 +63,7 @@ class FixDCMDeath : public Fix, public DCMRole {
   double shrink;    // time of shrinking, 0: at once
   bool always;      // criterion `all`
   std::uint64_t seed;
-  std::string log_name;
-  FILE *log;
-  bool continued;
+  DCMLog log;
   bigint removed;
   std::vector<tagint> gone;                 // to take away in this step
   std::map<tagint, Shrinking> shrinking;    // cells that this fix made shrink

@@ -14,7 +14,6 @@
 #include "bond_dcm_cortex.h"
 #include "comm.h"
 #include "dcm_cell_variable.h"
-#include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "law/random.h"
 #include "dihedral_dcm_bend.h"
@@ -38,6 +37,10 @@ using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/division";
 static constexpr int RECORD = 1;    // version of the restart record
+static const char HEADER[] =
+    "# LAMMPS-DCM division log; units um nN s\n"
+    "# step time mother daughter1 daughter2 generation kind axis_x axis_y axis_z "
+    "volume volume1 volume2 iterations pressure_before pressure\n";
 
 // softening begins with this factor on modulus and adhesion
 
@@ -50,7 +53,7 @@ static constexpr double SOFTEST = 1.0e-3;
 
 FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), seed(0), plane_mode(RANDOM),
-    given(Vec3::UnitX()), sphere_mode(SOFTEN), sphere_value(600.0), log(nullptr), continued(false),
+    given(Vec3::UnitX()), sphere_mode(SOFTEN), sphere_value(600.0), log(lmp, STYLE, HEADER),
     ndcm(0), ncbm(0), iterations(0), seconds(0.0), outside(0.0), quality(1.0)
 {
   AtomVecDCM::require(lmp, STYLE);
@@ -68,71 +71,44 @@ FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
   next_reneighbor = -1;
 }
 
-FixDCMDivision::~FixDCMDivision()
-{
-  if (log) fclose(log);
-}
-
 /* ---------------------------------------------------------------------- */
 
 void FixDCMDivision::parse(int narg, char **arg)
 {
-  const DCMParameters parameters(lmp, STYLE);
-  int iarg = 0;
-  auto next = [&](const std::string &keyword) {
-    if (++iarg >= narg) error->all(FLERR, "{}: keyword {} needs more values", STYLE, keyword);
-    return arg[iarg];
-  };
-  for (; iarg < narg; iarg++) {
-    const std::string key = arg[iarg];
-    if (key == "seed" || key == "maxiter") {
-      const double value = parameters.number(key.c_str(), next(key), DCMParameters::POSITIVE);
-      if (value != std::floor(value) || value > MAXSMALLINT)
-        error->all(FLERR, "{}: {} is {}, must be a positive whole number", STYLE, key, arg[iarg]);
-      if (key == "seed")
-        seed = (std::uint64_t) value;
-      else
-        settings.maxiter = (int) value;
-    } else if (key == "tolerance") {
-      settings.tolerance = parameters.number("tolerance", next(key), DCMParameters::POSITIVE);
-      if (settings.tolerance > 0.1)
-        error->all(FLERR, "{}: tolerance is {}, must be at most 0.1", STYLE, arg[iarg]);
-    } else if (key == "plane") {
-      const std::string mode = next(key);
-      if (mode == "random") {
-        plane_mode = RANDOM;
-      } else if (mode == "long") {
-        plane_mode = LONG;
-      } else if (mode == "given") {
-        plane_mode = GIVEN;
-        for (int k = 0; k < 3; k++)
-          given[k] = parameters.number("plane", next(key), DCMParameters::ANY);
-        if (!(given.norm() > 0.0))
-          error->all(FLERR, "{}: plane given 0 0 0 has no direction; give the normal", STYLE);
-        given.normalize();
-      } else if (mode == "variable") {
-        plane_mode = VARIABLE;
-        for (auto &name : variable_name) name = dcm_variable_name(lmp, STYLE, next(key));
-      } else {
-        error->all(FLERR,
-                   "{}: unknown plane {}; use random, long, given x y z or variable v_x "
-                   "v_y v_z",
-                   STYLE, mode);
-      }
-    } else if (key == "cbm") {
-      const std::string mode = next(key);
-      if (mode != "soften" && mode != "truncate")
-        error->all(FLERR, "{}: cbm must be soften T or truncate F, not {}", STYLE, mode);
-      sphere_mode = mode == "soften" ? SOFTEN : TRUNCATE;
-      sphere_value = parameters.number(mode.c_str(), next(key), DCMParameters::POSITIVE);
-    } else if (key == "log") {
-      log_name = next(key);
+  DCMArgs args(lmp, STYLE, narg, arg, {"seed", "plane", "cbm", "tolerance", "maxiter", "log"});
+  while (args.next()) {
+    if (args.is("seed")) {
+      seed = args.whole();
+    } else if (args.is("maxiter")) {
+      settings.maxiter = (int) args.whole();
+    } else if (args.is("tolerance")) {
+      settings.tolerance = args.number(DCMArgs::POSITIVE);
+      args.check(settings.tolerance <= 0.1, "at most 0.1");
+    } else if (args.is("plane")) {
+      parse_plane(args);
+    } else if (args.is("cbm")) {
+      sphere_mode = args.choose({"soften", "truncate"}, "soften T or truncate F") ? TRUNCATE
+                                                                                  : SOFTEN;
+      sphere_value = args.number(DCMArgs::POSITIVE, sphere_mode == SOFTEN ? "soften" : "truncate");
     } else {
-      error->all(FLERR, "{}: unknown keyword {}; known: seed plane cbm tolerance maxiter log",
-                 STYLE, key);
+      log.name(args.text());
     }
   }
   if (seed == 0) error->all(FLERR, "{}: keyword seed is missing; give a positive number", STYLE);
+}
+
+void FixDCMDivision::parse_plane(DCMArgs &args)
+{
+  plane_mode = (Plane) args.choose({"random", "long", "given", "variable"},
+                                   "random, long, given x y z or variable v_x v_y v_z");
+  if (plane_mode == GIVEN) {
+    for (double &component : given) component = args.number();
+    if (!(given.norm() > 0.0))
+      error->all(FLERR, "{}: plane given 0 0 0 has no direction; give the normal", STYLE);
+    given.normalize();
+  } else if (plane_mode == VARIABLE) {
+    for (auto &name : variable_name) name = args.variable();
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -163,7 +139,7 @@ void FixDCMDivision::init()
                STYLE);
 
   if (plane_mode == VARIABLE)
-    for (const auto &name : variable_name) dcm_check_variable(lmp, STYLE, name);
+    for (const auto &name : variable_name) dcm_find_variable(lmp, STYLE, name);
   DCMCellSurgery::check_order(lmp, this, STYLE);
 
   const auto &table = cell->cells();
@@ -177,8 +153,7 @@ void FixDCMDivision::init()
 }
 
 /* ----------------------------------------------------------------------
-   the log is opened when all input has been checked; a run continued from a restart file
-   adds to it
+   room for the daughters' edges; the log, now that all input has been checked
 ------------------------------------------------------------------------- */
 
 void FixDCMDivision::setup(int /*vflag*/)
@@ -188,14 +163,7 @@ void FixDCMDivision::setup(int /*vflag*/)
   for (const int row : table.all_deformable())
     if (table.value("cycle_time", row, 1.0) > 0.0)
       surgery.builder.reserve_slots(round_mesh(surgery, table[row].nnodes).slots);
-  if (log_name.empty() || log || comm->me != 0) return;
-  log = fopen(log_name.c_str(), continued ? "a" : "w");
-  if (!log) error->one(FLERR, "{}: cannot open log {}: {}", STYLE, log_name, utils::getsyserror());
-  if (fseek(log, 0, SEEK_END) == 0 && ftell(log) == 0)
-    utils::print(log, "# LAMMPS-DCM division log; units um nN s\n"
-                      "# step time mother daughter1 daughter2 generation kind axis_x axis_y axis_z "
-                      "volume volume1 volume2 iterations pressure_before pressure\n");
-  fflush(log);
+  log.open();
 }
 
 /* ----------------------------------------------------------------------
@@ -330,17 +298,15 @@ void FixDCMDivision::write_log(const DCMCellSurgery::Cell &mother, const Vec3 &a
                                const tagint *daughters, double volume, double volume1,
                                double volume2, int niter)
 {
-  if (!log) return;
   const auto &table = cell->cells();
   const int row = table.find(mother.molecule);
-  utils::print(log,
-               "{} {:.10g} {} {} {} {} {} {:.8f} {:.8f} {:.8f} {:.8g} {:.8g} {:.8g} {} {:.6g} "
-               "{:.6g}\n",
-               update->ntimestep, table.time(), mother.molecule, daughters[0], daughters[1],
-               table[row].generation + 1, table[row].deformable ? "dcm" : "cbm", axis[0], axis[1],
-               axis[2], volume, volume1, volume2, niter, table.value("pressure_before", row),
-               table.value("pressure_rounding", row));
-  fflush(log);
+  log.print("{} {:.10g} {} {} {} {} {} {:.8f} {:.8f} {:.8f} {:.8g} {:.8g} {:.8g} {} {:.6g} "
+            "{:.6g}\n",
+            update->ntimestep, table.time(), mother.molecule, daughters[0], daughters[1],
+            table[row].generation + 1, table[row].deformable ? "dcm" : "cbm", axis[0], axis[1],
+            axis[2], volume, volume1, volume2, niter, table.value("pressure_before", row),
+            table.value("pressure_rounding", row));
+  log.flush();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -368,7 +334,7 @@ void FixDCMDivision::restart(char *buf)
   record.get(outside);
   record.get(quality);
   record.get(sisters);
-  continued = true;
+  log.go_on();
 }
 
 /* ----------------------------------------------------------------------

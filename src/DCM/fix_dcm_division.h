@@ -18,7 +18,9 @@ FixStyle(dcm/division,FixDCMDivision);
 #define LMP_FIX_DCM_DIVISION_H
 
 #include "law/division.h"
+#include "dcm_args.h"
 #include "dcm_cell_surgery.h"
+#include "dcm_log.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
 #include "fix.h"
@@ -38,7 +40,6 @@ namespace LAMMPS_NS {
 class FixDCMDivision : public Fix, public DCMRole {
  public:
   FixDCMDivision(class LAMMPS *, int, char **);
-  ~FixDCMDivision() override;
   int setmask() override;
   void post_constructor() override;
   void init() override;
@@ -81,9 +82,7 @@ class FixDCMDivision : public Fix, public DCMRole {
   Sphere sphere_mode;
   double sphere_value;    // time of softening or largest force
   dcm::DivisionSettings settings;
-  std::string log_name;
-  FILE *log;
-  bool continued;
+  DCMLog log;
 
   std::vector<tagint> ready;                           // molecules to divide in this step
   std::map<tagint, dcm::Vec3> variable_axis;           // of the ready cells
@@ -97,6 +96,7 @@ class FixDCMDivision : public Fix, public DCMRole {
   double quality;       // worst face of a newborn cell
 
   void parse(int, char **);
+  void parse_plane(DCMArgs &);
   void evaluate_variables();
   dcm::Vec3 axis_of(const DCMCellSurgery::Cell &);
   const DCMCellBuilder::Topology &round_mesh(DCMCellSurgery &, size_t nnodes);

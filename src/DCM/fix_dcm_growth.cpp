@@ -13,6 +13,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_args.h"
 #include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "law/volume.h"
@@ -50,7 +51,7 @@ static const std::vector<std::string> FIELDS = {
     "progress", "rounding_factor", "pressure_before", "pressure_rounding"};
 
 /* ----------------------------------------------------------------------
-   fix ID group dcm/growth FILE name1..nameN seed S [cycle_time v] [cycle_sd v]
+   fix ID group dcm/growth [FILE name1..nameN] seed S [cycle_time v] [cycle_sd v]
        [law linear|exponential] [compression half n] [rounding part factor]
        [until rest|volume] [newborn V] [age zero|random] [proliferating NAME fraction]
 ------------------------------------------------------------------------- */
@@ -65,9 +66,14 @@ FixDCMGrowth::FixDCMGrowth(LAMMPS *lmp, int narg, char **arg) :
     error->all(FLERR, "There is a fix dcm/growth already (ID {}); a deck has at most one",
                modify->get_fix_by_style("^dcm/growth$")[0]->id);
 
-  parameters = std::make_unique<DCMParameters>(lmp, STYLE);
-  int iarg = 3 + parameters->parse(narg - 3, arg + 3, atom->ntypes);
-  while (iarg < narg) iarg += parse_keyword(narg - iarg, arg + iarg);
+  DCMArgs args(
+      lmp, STYLE, narg - 3, arg + 3,
+      {"seed", "law", "compression", "rounding", "until", "newborn", "age", "proliferating"});
+  parameters = std::make_unique<DCMParameters>(
+      lmp, STYLE, std::vector<std::string>{"cycle_time", "cycle_sd", "K_V"});
+  parameters->parse(args, atom->ntypes);
+  while (args.next())
+    if (!parameters->parse_keyword(args)) parse_keyword(args);
   if (seed == 0) error->all(FLERR, "{}: keyword seed is missing; give a positive number", STYLE);
 
   scalar_flag = vector_flag = array_flag = 1;
@@ -83,62 +89,40 @@ FixDCMGrowth::FixDCMGrowth(LAMMPS *lmp, int narg, char **arg) :
 
 FixDCMGrowth::~FixDCMGrowth() = default;
 
-int FixDCMGrowth::parse_keyword(int narg, char **arg)
+void FixDCMGrowth::parse_keyword(DCMArgs &args)
 {
-  const int used = parameters->parse_keyword(narg, arg, {"cycle_time", "cycle_sd", "K_V"});
-  if (used) return used;
-
-  const std::string key = arg[0];
-  static const std::vector<std::string> known = {
-      "seed", "law", "compression", "rounding", "until", "newborn", "age", "proliferating"};
-  if (std::find(known.begin(), known.end(), key) == known.end())
-    error->all(FLERR, "{}: unknown keyword {}; known: cycle_time cycle_sd K_V {}", STYLE, key,
-               utils::join_words(known, " "));
-  const int nvalues = key == "compression" || key == "rounding" || key == "proliferating" ? 2 : 1;
-  if (narg <= nvalues)
-    error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, nvalues,
-               nvalues > 1 ? "s" : "");
-  auto choose = [&](const char *first, const char *second) {
-    if (strcmp(arg[1], first) != 0 && strcmp(arg[1], second) != 0)
-      error->all(FLERR, "{}: {} must be {} or {}, not {}", STYLE, key, first, second, arg[1]);
-    return strcmp(arg[1], second) == 0;
-  };
-  auto number = [&](int k, DCMParameters::Range range) {
-    return parameters->number(key.c_str(), arg[k], range);
-  };
-
-  if (key == "seed") {
-    const double value = number(1, DCMParameters::POSITIVE);
-    if (value != std::floor(value) || value > MAXSMALLINT)
-      error->all(FLERR, "{}: seed is {}, must be a positive whole number", STYLE, arg[1]);
-    seed = (std::uint64_t) value;
-  } else if (key == "law") {
-    law = choose("linear", "exponential") ? dcm::GrowthLaw::EXPONENTIAL : dcm::GrowthLaw::LINEAR;
-  } else if (key == "compression") {
-    half = number(1, DCMParameters::POSITIVE);
-    exponent = number(2, DCMParameters::POSITIVE);
-  } else if (key == "rounding") {
-    rounding = number(1, DCMParameters::NONNEGATIVE);
-    shortening = number(2, DCMParameters::POSITIVE);
+  if (args.is("seed")) {
+    seed = args.whole();
+  } else if (args.is("law")) {
+    law = args.choose({"linear", "exponential"}) ? dcm::GrowthLaw::EXPONENTIAL
+                                                 : dcm::GrowthLaw::LINEAR;
+  } else if (args.is("compression")) {
+    args.need(2);
+    half = args.number(DCMArgs::POSITIVE);
+    exponent = args.number(DCMArgs::POSITIVE);
+  } else if (args.is("rounding")) {
+    args.need(2);
+    rounding = args.number(DCMArgs::NONNEGATIVE);
+    shortening = args.number(DCMArgs::POSITIVE);
     if (rounding > 0.5 || shortening > 1.0 || shortening < 0.5)
       error->all(FLERR,
                  "{}: rounding is {} {}; expected a part of the cycle of at most 0.5 and a factor "
                  "on the rest lengths of 0.5 to 1",
-                 STYLE, arg[1], arg[2]);
-  } else if (key == "until") {
-    until_volume = choose("rest", "volume");
-  } else if (key == "newborn") {
-    newborn = number(1, DCMParameters::POSITIVE);
-  } else if (key == "age") {
-    random_age = choose("zero", "random");
+                 STYLE, rounding, shortening);
+  } else if (args.is("until")) {
+    until_volume = args.choose({"rest", "volume"}) == 1;
+  } else if (args.is("newborn")) {
+    newborn = args.number(DCMArgs::POSITIVE);
+  } else if (args.is("age")) {
+    random_age = args.choose({"zero", "random"}) == 1;
   } else {
-    fraction_names.emplace_back(arg[1]);
-    fraction_values.push_back(number(2, DCMParameters::NONNEGATIVE));
+    args.need(2);
+    fraction_names.emplace_back(args.text());
+    fraction_values.push_back(args.number(DCMArgs::NONNEGATIVE));
     if (fraction_values.back() > 1.0)
-      error->all(FLERR, "{}: proliferating fraction of {} is {}, must be 0 to 1", STYLE, arg[1],
-                 arg[2]);
+      error->all(FLERR, "{}: proliferating fraction of {} is {}, must be 0 to 1", STYLE,
+                 fraction_names.back(), fraction_values.back());
   }
-  return 1 + nvalues;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -161,6 +145,7 @@ void FixDCMGrowth::init()
   spheres = cell->request_spheres();
   cycles = cell->change_cells().add(STYLE, "growth", DCMColumn::INHERIT, 0.0, FIELDS, cycles);
 
+  parameters->resolve();
   fraction.assign(atom->ntypes + 1, -1.0);
   for (size_t n = 0; n < fraction_names.size(); n++) {
     bool any = false;

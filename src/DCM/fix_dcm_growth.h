@@ -84,7 +84,7 @@ class FixDCMGrowth : public Fix, public DCMRole {
   bigint births, deaths;
   std::vector<double> sphere_pressure;    // per row of the table
 
-  int parse_keyword(int, char **);
+  void parse_keyword(class DCMArgs &);
   void enroll();
   Cycle newcomer(int row);
   void draw_cycle(int row, Cycle &);

@@ -12,7 +12,6 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "dcm_parameters.h"
 #include "law/random.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
@@ -21,74 +20,48 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/motility";
-static const std::vector<std::string> KEYWORDS = {"seed", "bias", "persistence", "plane"};
+static constexpr bigint LARGEST_SEED = 1LL << 53;    // whole numbers of a double
+static constexpr double MISSING = -1.0;
 static constexpr double UNSET = 1.0e300;    // state of a cell that has not been drawn yet
 
 /* ----------------------------------------------------------------------
-   fix ID group dcm/motility FILE name1..nameN seed S [D v] [friction_ecm v]
+   fix ID group dcm/motility [FILE name1..nameN] seed S [D v] [friction_ecm v]
                              [bias x y z F] [persistence tau] [plane x|y|z]
 ------------------------------------------------------------------------- */
 
 FixDCMMotility::FixDCMMotility(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), seed(0), persistence(0.0), bias{0.0, 0.0, 0.0}, plane(-1),
-    state(nullptr)
+    Fix(lmp, narg, arg), cell(nullptr), parameters(lmp, STYLE, {"D", "friction_ecm"}), seed(0),
+    persistence(0.0), bias{0.0, 0.0, 0.0}, plane(-1), state(nullptr)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
 
-  DCMParameters parameters(lmp, STYLE);
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"seed", "bias", "persistence", "plane"});
+  parameters.parse(args, atom->ntypes);
   bool has_seed = false;
-  int iarg = 3 + parameters.parse(narg - 3, arg + 3, atom->ntypes);
-  while (iarg < narg) {
-    const int used = parameters.parse_keyword(narg - iarg, arg + iarg, {"D", "friction_ecm"});
-    if (used) {
-      iarg += used;
-      continue;
-    }
-    const std::string key = arg[iarg];
-    if (std::find(KEYWORDS.begin(), KEYWORDS.end(), key) == KEYWORDS.end())
-      error->all(FLERR, "{}: unknown keyword {}; known: D friction_ecm {}", STYLE, key,
-                 utils::join_words(KEYWORDS, " "));
-    const int nvalues = key == "bias" ? 4 : 1;
-    if (iarg + nvalues >= narg)
-      error->all(FLERR, "{}: keyword {} needs {} value{}", STYLE, key, nvalues,
-                 nvalues > 1 ? "s" : "");
-    char **value = arg + iarg + 1;
-    if (key == "seed") {
-      if (!utils::is_integer(value[0]) || value[0][0] == '-')
-        error->all(FLERR, "{}: seed is '{}', expected an integer, zero or positive", STYLE,
-                   value[0]);
-      seed = (std::uint64_t) utils::bnumeric(FLERR, value[0], false, lmp);
+  while (args.next()) {
+    if (parameters.parse_keyword(args)) continue;
+    if (args.is("seed")) {
+      seed = args.whole(0, LARGEST_SEED);
       has_seed = true;
-    } else if (key == "bias") {
-      for (int k = 0; k < 3; k++) bias[k] = parameters.number("bias", value[k], DCMParameters::ANY);
-      const double size = parameters.number("bias force", value[3], DCMParameters::NONNEGATIVE);
+    } else if (args.is("bias")) {
+      args.need(4);
+      for (double &component : bias) component = args.number();
+      const double size = args.number(DCMArgs::NONNEGATIVE, "bias force");
       const double norm = dcm::vec(bias).norm();
       if (norm == 0.0) error->all(FLERR, "{}: the direction of bias is zero", STYLE);
       dcm::vec(bias) *= size / norm;
-    } else if (key == "persistence") {
-      persistence = parameters.number("persistence", value[0], DCMParameters::POSITIVE);
+    } else if (args.is("persistence")) {
+      persistence = args.number(DCMArgs::POSITIVE);
     } else {
-      if (strlen(value[0]) != 1 || value[0][0] < 'x' || value[0][0] > 'z')
-        error->all(FLERR, "{}: plane must be x, y or z, not {}", STYLE, value[0]);
-      plane = value[0][0] - 'x';
+      plane = args.axis();
     }
-    iarg += 1 + nvalues;
   }
   if (!has_seed) error->all(FLERR, "{}: add 'seed S', an integer", STYLE);
-
-  types.resize(atom->ntypes + 1);
-  for (int i = 1; i <= atom->ntypes; i++) {
-    types[i].used = parameters.used(i);
-    if (!types[i].used) continue;
-    types[i].D = parameters.get(i, "D", DCMParameters::NONNEGATIVE);
-    types[i].friction = parameters.get(i, "friction_ecm", DCMParameters::POSITIVE);
-  }
 
   if (persistence > 0.0) {
     restart_peratom = 1;
@@ -127,6 +100,8 @@ int FixDCMMotility::setmask()
 void FixDCMMotility::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  parameters.resolve();
+  read_types();
   bool unnamed = false;
   for (int i = 0; i < atom->nlocal; i++)
     if (dcm->kind[i] == AtomVecDCM::SPHERE && moves(i) && atom->molecule[i] <= 0) unnamed = true;
@@ -135,6 +110,42 @@ void FixDCMMotility::init()
                "{}: a sphere has no molecule ID, so its random numbers are not its own; give "
                "each cell a positive molecule ID",
                STYLE);
+}
+
+/* ----------------------------------------------------------------------
+   only types of cells need values, so that one list of names can serve all styles; cells of the
+   others may come later, and then they are missed
+------------------------------------------------------------------------- */
+
+void FixDCMMotility::read_types()
+{
+  const auto holding =
+      AtomVecDCM::types_holding(lmp, {AtomVecDCM::SPHERE, AtomVecDCM::CENTER}, groupbit);
+  const auto NONNEGATIVE = DCMParameters::NONNEGATIVE, POSITIVE = DCMParameters::POSITIVE;
+  types.assign(atom->ntypes + 1, Type());
+  for (int i = 1; i <= atom->ntypes; i++) {
+    Type &type = types[i];
+    type.used = parameters.used(i);
+    if (!type.used) continue;
+    type.D = holding[i] ? parameters.get(i, "D", NONNEGATIVE)
+                        : parameters.get(i, "D", NONNEGATIVE, MISSING);
+    type.friction = holding[i] ? parameters.get(i, "friction_ecm", POSITIVE)
+                               : parameters.get(i, "friction_ecm", POSITIVE, MISSING);
+  }
+}
+
+void FixDCMMotility::check(int itype, bool everywhere) const
+{
+  const Type &type = types[itype];
+  if (type.D != MISSING && type.friction != MISSING) return;
+  const auto message = fmt::format(
+      "{}: no value of {} for cell type {}, of which there are cells since step {}; add it to the "
+      "parameter file or give the keyword",
+      STYLE, type.D == MISSING ? "D" : "friction_ecm", parameters.name(itype), update->ntimestep);
+  if (everywhere)
+    error->all(FLERR, message);
+  else
+    error->one(FLERR, message);
 }
 
 void FixDCMMotility::setup_pre_reverse(int eflag, int vflag)
@@ -219,6 +230,7 @@ void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
     const auto &it = table[c];
     double *const fc = &cell_force[3 * c];
     if (!types[it.type].used || !(it.mask & groupbit) || it.nnodes == 0) continue;
+    check(it.type, true);
     if (persistence == 0.0) draw(it.molecule, fc);
     if (plane >= 0) fc[plane] = 0.0;
     dcm::vec(fc) *= amplitude(types[it.type], it.area);
@@ -231,6 +243,7 @@ void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
     if (dcm->kind[i] == AtomVecDCM::NODE) {
       dcm::vec(f[i]) += dcm::vec(&cell_force[3 * cell->cell_of(i)]);
     } else if (dcm->kind[i] == AtomVecDCM::SPHERE && moves(i)) {
+      check(atom->type[i], false);
       double fi[3];
       if (persistence > 0.0)
         dcm::vec(fi) = dcm::vec(state[i]);

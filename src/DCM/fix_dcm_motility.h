@@ -17,6 +17,7 @@ FixStyle(dcm/motility,FixDCMMotility);
 #ifndef LMP_FIX_DCM_MOTILITY_H
 #define LMP_FIX_DCM_MOTILITY_H
 
+#include "dcm_parameters.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -51,6 +52,7 @@ class FixDCMMotility : public Fix {
  private:
   class FixDCMCell *cell;
   struct DCMAtoms *dcm;
+  DCMParameters parameters;
   std::uint64_t seed;
   double persistence;    // correlation time of the force, 0: white noise
   double bias[3];        // constant force
@@ -58,7 +60,7 @@ class FixDCMMotility : public Fix {
 
   struct Type {    // per atom type
     bool used = false;
-    double D = 0.0, friction = 0.0;
+    double D = 0.0, friction = 0.0;    // < 0: not given
   };
   std::vector<Type> types;
 
@@ -67,8 +69,10 @@ class FixDCMMotility : public Fix {
   double **state;
   std::vector<double> cell_force;    // per deformable cell 3
 
+  void read_types();
   bool moves(int) const;
   void draw(tagint, double *) const;
+  void check(int type, bool everywhere) const;
   double amplitude(const Type &, double) const;
 };
 

@@ -13,7 +13,6 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
-#include "dcm_parameters.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
@@ -24,7 +23,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -37,62 +35,39 @@ static const char STYLE[] = "Fix dcm/motion";
 
 static constexpr double KEEP = 2.0;
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   fix ID group dcm/motion [FILE name1..nameN] [friction_ecm v] [tolerance t] [maxiter n]
+                           [precondition block|jacobi|none] [maxmove m] [floor f]
+------------------------------------------------------------------------- */
 
 FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), messages(world), unknowns(lmp, system, messages)
+    Fix(lmp, narg, arg), cell(nullptr), parameters(lmp, STYLE, {"friction_ecm"}), messages(world),
+    unknowns(lmp, system, messages)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
-  if (narg < 4)
-    error->all(FLERR,
-               "{}: expected a parameter file (or NULL) and one cell-type name per atom "
-               "type",
-               STYLE);
-
-  params = std::make_unique<DCMParameters>(lmp, STYLE);
   maxmove = 0.25;
   least_free = 1e-6;
 
-  int iarg = 3 + params->parse(narg - 3, arg + 3, atom->ntypes);
-  while (iarg < narg) {
-    const int used = params->parse_keyword(narg - iarg, arg + iarg, {"friction_ecm"});
-    if (used > 0) {
-      iarg += used;
-      continue;
-    }
-    const std::string keyword = arg[iarg];
-    if (iarg + 2 > narg) error->all(FLERR, "{}: keyword {} needs a value", STYLE, keyword);
-    const char *value = arg[iarg + 1];
-    if (keyword == "tolerance") {
-      solver.tolerance = params->number("tolerance", value, DCMParameters::POSITIVE);
-      if (solver.tolerance >= 1.0)
-        error->all(FLERR, "{}: tolerance is {}, must be below 1", STYLE, value);
-    } else if (keyword == "maxiter") {
-      const double n = params->number("maxiter", value, DCMParameters::POSITIVE);
-      if (n != std::floor(n) || n > MAXSMALLINT)
-        error->all(FLERR, "{}: maxiter is {}, must be a positive whole number", STYLE, value);
-      solver.maxiter = (int) n;
-    } else if (keyword == "maxmove") {
-      maxmove = params->number("maxmove", value, DCMParameters::POSITIVE);
-    } else if (keyword == "floor") {
-      least_free = params->number("floor", value, DCMParameters::NONNEGATIVE);
-      if (least_free > 1.0) error->all(FLERR, "{}: floor is {}, must be 0 to 1", STYLE, value);
-    } else if (keyword == "precondition") {
-      if (strcmp(value, "block") == 0)
-        solver.precondition = dcm::Precondition::BLOCK;
-      else if (strcmp(value, "jacobi") == 0)
-        solver.precondition = dcm::Precondition::JACOBI;
-      else if (strcmp(value, "none") == 0)
-        solver.precondition = dcm::Precondition::NONE;
-      else
-        error->all(FLERR, "{}: unknown precondition {}; known: block jacobi none", STYLE, value);
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
+               {"tolerance", "maxiter", "precondition", "maxmove", "floor"});
+  parameters.parse(args, atom->ntypes);
+  while (args.next()) {
+    if (parameters.parse_keyword(args)) continue;
+    if (args.is("tolerance")) {
+      solver.tolerance = args.number(DCMArgs::POSITIVE);
+      args.check(solver.tolerance < 1.0, "below 1");
+    } else if (args.is("maxiter")) {
+      solver.maxiter = (int) args.whole();
+    } else if (args.is("precondition")) {
+      using dcm::Precondition;
+      const Precondition order[] = {Precondition::BLOCK, Precondition::JACOBI, Precondition::NONE};
+      solver.precondition = order[args.choose({"block", "jacobi", "none"})];
+    } else if (args.is("maxmove")) {
+      maxmove = args.number(DCMArgs::POSITIVE);
     } else {
-      error->all(FLERR,
-                 "{}: unknown keyword {}; known: friction_ecm tolerance maxiter "
-                 "precondition maxmove floor",
-                 STYLE, keyword);
+      least_free = args.number(DCMArgs::NONNEGATIVE);
+      args.check(least_free <= 1.0, "0 to 1");
     }
-    iarg += 2;
   }
 
   time_integrate = 1;
@@ -108,8 +83,6 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   largest_move = solves = iterations = 0.0;
   seconds_assembly = seconds_solve = messages_start = 0.0;
 }
-
-FixDCMMotion::~FixDCMMotion() = default;
 
 int FixDCMMotion::setmask()
 {
@@ -164,18 +137,17 @@ void FixDCMMotion::check_deck()
 
 void FixDCMMotion::find_friction()
 {
-  std::vector<int> needed(atom->ntypes + 1, 0);
-  for (int i = 0; i < atom->nlocal; i++)
-    if (unknowns.moves(i, groupbit)) needed[atom->type[i]] = 1;
-  MPI_Allreduce(MPI_IN_PLACE, needed.data(), atom->ntypes + 1, MPI_INT, MPI_MAX, world);
+  parameters.resolve();
+  const auto needed =
+      AtomVecDCM::types_holding(lmp, {AtomVecDCM::NODE, AtomVecDCM::SPHERE}, groupbit);
   if (std::find(needed.begin(), needed.end(), 1) == needed.end())
     error->all(FLERR, "{}: group {} holds no node and no sphere, nothing to move", STYLE,
                group->names[igroup]);
 
   friction.assign(atom->ntypes + 1, 0.0);
   for (int itype = 1; itype <= atom->ntypes; itype++) {
-    if (params->used(itype))
-      friction[itype] = params->get(itype, "friction_ecm", DCMParameters::NONNEGATIVE);
+    if (parameters.used(itype))
+      friction[itype] = parameters.get(itype, "friction_ecm", DCMParameters::NONNEGATIVE);
     else if (needed[itype])
       error->all(FLERR,
                  "{}: atom type {} holds nodes or spheres of group {} but has no cell-type "

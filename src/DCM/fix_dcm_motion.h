@@ -19,11 +19,11 @@ FixStyle(dcm/motion,FixDCMMotion);
 
 #include "law/friction_comm.h"
 #include "law/friction_solver.h"
+#include "dcm_parameters.h"
 #include "dcm_role.h"
 #include "dcm_unknowns.h"
 #include "fix.h"
 
-#include <memory>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -36,7 +36,6 @@ namespace LAMMPS_NS {
 class FixDCMMotion : public Fix, public DCMRole {
  public:
   FixDCMMotion(class LAMMPS *, int, char **);
-  ~FixDCMMotion() override;
   int setmask() override;
   void init() override;
   void setup(int) override;
@@ -55,7 +54,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   struct DCMAtoms *dcm;
   class FixDCMCell *cell;
   std::vector<DCMRole *> roles;    // of the deck, in this run
-  std::unique_ptr<class DCMParameters> params;
+  DCMParameters parameters;
 
   std::vector<double> friction;    // per atom type: ECM friction per area
   double maxmove, least_free;

@@ -15,7 +15,6 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "law/curvature.h"
-#include "dcm_parameters.h"
 #include "law/volume.h"
 #include "domain.h"
 #include "error.h"
@@ -24,48 +23,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/volume";
+static constexpr double NOT_NAMED = -1.0;
 static constexpr int NSUM = 7;    // sums per node of the Voronoi form
 
 /* ----------------------------------------------------------------------
-   fix ID group dcm/volume FILE name1..nameN [K_V v] [form gradient|voronoi]
+   fix ID group dcm/volume [FILE name1..nameN] [K_V v] [form gradient|voronoi]
 ------------------------------------------------------------------------- */
 
 FixDCMVolume::FixDCMVolume(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), voronoi(false), energy(0.0), mean(0.0), lowest(0.0),
-    highest(0.0)
+    Fix(lmp, narg, arg), cell(nullptr), parameters(lmp, STYLE, {"K_V"}), voronoi(false),
+    energy(0.0), mean(0.0), lowest(0.0), highest(0.0)
 {
   AtomVecDCM::require(lmp, STYLE);
 
-  DCMParameters parameters(lmp, STYLE);
-  int iarg = 3 + parameters.parse(narg - 3, arg + 3, atom->ntypes);
-  while (iarg < narg) {
-    const int used = parameters.parse_keyword(narg - iarg, arg + iarg, {"K_V"});
-    if (used) {
-      iarg += used;
-    } else if (strcmp(arg[iarg], "form") == 0) {
-      const char *form = iarg + 1 < narg ? arg[iarg + 1] : "missing";
-      voronoi = strcmp(form, "voronoi") == 0;
-      if (!voronoi && strcmp(form, "gradient") != 0)
-        error->all(FLERR, "{}: form must be gradient or voronoi, not {}", STYLE, form);
-      iarg += 2;
-    } else {
-      error->all(FLERR, "{}: unknown keyword {}; known: K_V form", STYLE, arg[iarg]);
-    }
-  }
-  K_V.assign(atom->ntypes + 1, -1.0);
-  for (int i = 1; i <= atom->ntypes; i++) {
-    if (!parameters.used(i)) continue;
-    if (holds_centers(i))
-      K_V[i] = parameters.get(i, "K_V", DCMParameters::POSITIVE);
-    else    // deformable cells of this type may come later
-      K_V[i] = parameters.get(i, "K_V", DCMParameters::ANY, -1.0);
-  }
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"form"});
+  parameters.parse(args, atom->ntypes);
+  while (args.next())
+    if (!parameters.parse_keyword(args)) voronoi = args.choose({"gradient", "voronoi"}) == 1;
 
   scalar_flag = 1;
   extscalar = 1;
@@ -92,6 +71,24 @@ void FixDCMVolume::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
   sum = cell->change_cells().contribute("pressure");
+  parameters.resolve();
+  read_moduli();
+}
+
+/* ----------------------------------------------------------------------
+   only types of deformable cells need a K_V, so that one list of names can serve all styles;
+   cells of the others may come later, and then it is missed
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::read_moduli()
+{
+  const auto centers = AtomVecDCM::types_holding(lmp, {AtomVecDCM::CENTER}, groupbit);
+  K_V.assign(atom->ntypes + 1, NOT_NAMED);
+  for (int i = 1; i <= atom->ntypes; i++) {
+    if (!parameters.used(i)) continue;
+    K_V[i] = centers[i] ? parameters.get(i, "K_V", DCMParameters::POSITIVE)
+                        : parameters.get(i, "K_V", DCMParameters::NONNEGATIVE, 0.0);
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -113,24 +110,9 @@ void FixDCMVolume::setup_pre_reverse(int eflag, int vflag)
   pre_reverse(eflag, vflag);
 }
 
-/* ----------------------------------------------------------------------
-   only types of deformable cells need a K_V, so that one list of names can
-   serve all styles of a deck
-------------------------------------------------------------------------- */
-
-bool FixDCMVolume::holds_centers(int itype) const
-{
-  const int *kind = AtomVecDCM::require(lmp, STYLE)->kind;
-  int found = 0;
-  for (int i = 0; i < atom->nlocal; i++)
-    if (atom->type[i] == itype && kind[i] == AtomVecDCM::CENTER) found = 1;
-  MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_MAX, world);
-  return found > 0;
-}
-
 bool FixDCMVolume::acts_on(const DCMCellTable::Cell &it) const
 {
-  return K_V[it.type] > 0.0 && (it.mask & groupbit);
+  return K_V[it.type] != NOT_NAMED && (it.mask & groupbit);
 }
 
 /* ----------------------------------------------------------------------
@@ -162,6 +144,7 @@ void FixDCMVolume::cell_pressures()
   for (const int c : table.all_deformable()) {
     const auto &it = table[c];
     if (!acts_on(it)) continue;
+    if (K_V[it.type] == 0.0) parameters.get(it.type, "K_V", DCMParameters::POSITIVE);
     const double K = K_V[it.type];
     if (!(it.volume > 0.0) || !std::isfinite(it.volume) || !(it.volume0 > 0.0))
       error->all(

@@ -17,6 +17,7 @@ FixStyle(dcm/volume,FixDCMVolume);
 #ifndef LMP_FIX_DCM_VOLUME_H
 #define LMP_FIX_DCM_VOLUME_H
 
+#include "dcm_parameters.h"
 #include "dcm_role.h"
 #include "fix_dcm_cell.h"
 
@@ -50,14 +51,15 @@ class FixDCMVolume : public Fix, public DCMRole {
 
  private:
   FixDCMCell *cell;
+  DCMParameters parameters;
   DCMCellTable::Handle sum;        // of the pressures of all contributors
-  std::vector<double> K_V;         // per atom type, < 0: not acted on
+  std::vector<double> K_V;         // per atom type, 0: none given, < 0: not acted on
   bool voronoi;                    // the source's form of the force instead of the gradient
   std::vector<double> pressure;    // per cell, 0 for cells not acted on
   double energy, mean, lowest, highest;
   std::vector<double> node;    // voronoi only, per atom: area, curvature vector, normal
 
-  bool holds_centers(int) const;
+  void read_moduli();
   bool acts_on(const DCMCellTable::Cell &) const;
   void cell_pressures();
   void gradient_forces();

@@ -34,6 +34,9 @@
 using namespace LAMMPS_NS;
 
 static const std::string STYLE = "Pair style dcm/contact";
+static const std::vector<std::string> PARAMETERS = {
+    "E_contact", "nu_contact", "W", "friction_normal", "friction_tangential", "a1",
+    "a2",        "a3",         "a4"};
 static constexpr int NREGION = AtomVecDCM::NREGION;
 
 // in mean edge lengths: `h0 auto`, the limit of a resolved h0, default range (see the doc page)
@@ -47,7 +50,7 @@ static constexpr double EDGE = 0.3;
 /* ---------------------------------------------------------------------- */
 
 PairDCMContact::PairDCMContact(LAMMPS *lmp) :
-    Pair(lmp), parameters(std::make_unique<DCMParameters>(lmp, STYLE)), dcm(nullptr),
+    Pair(lmp), parameters(std::make_unique<DCMParameters>(lmp, STYLE, PARAMETERS)), dcm(nullptr),
     fix_cell(nullptr), fix_history(nullptr), nclass(0), have_spheres(false), have_faces(false),
     expect_new(false), expect_spheres(false), expect_faces(false), any_apparent(false),
     use_history(false), want_stress(false), want_partners(false), want_blocks(false),
@@ -99,53 +102,31 @@ void PairDCMContact::allocate()
 void PairDCMContact::settings(int narg, char **arg)
 {
   Settings now;
-  auto choose = [&](const char *key, const char *text, const std::vector<std::string> &names) {
-    const auto found = std::find(names.begin(), names.end(), text);
-    if (found == names.end())
-      error->all(FLERR, "{}: {} is {}, must be one of: {}", STYLE, key, text,
-                 utils::join_words(names, " "));
-    return (int) (found - names.begin());
-  };
-
-  for (int iarg = 0; iarg < narg; iarg += 2) {
-    const std::string key = arg[iarg];
-    if (iarg + 2 > narg) error->all(FLERR, "{}: keyword {} needs a value", STYLE, key);
-    const char *text = arg[iarg + 1];
-    if (key == "law") {
-      now.law = choose("law", text, {"dmt", "maugis"});
-    } else if (key == "branch") {
-      now.history = choose("branch", text, {"cutoff", "history"});
-    } else if (key == "concave") {
-      now.concave = choose("concave", text, {"flat", "negative"});
-    } else if (key == "points") {
-      if (strlen(text) != 1 || text[0] < '1' || text[0] > '4')
-        error->all(FLERR, "{}: points is {}, must be 1 to 4", STYLE, text);
-      now.points = text[0] - '0';
-    } else if (key == "h0") {
-      now.h0_auto = strcmp(text, "auto") == 0;
-      if (now.h0_auto) {
-        iarg++;
-        if (iarg + 2 > narg) error->all(FLERR, "{}: keyword h0 auto needs a value", STYLE);
-        text = arg[iarg + 1];
-      }
-      now.h0 = parameters->number("h0", text, DCMParameters::POSITIVE);
-    } else if (key == "rmax") {
-      now.rmax = parameters->number("rmax", text, DCMParameters::POSITIVE);
-      if (now.rmax < 1.0)
-        error->all(FLERR, "{}: rmax is {}, must be at least 1 (a round cell)", STYLE, now.rmax);
-    } else if (key == "range") {
-      now.range = parameters->number("range", text, DCMParameters::POSITIVE);
-    } else if (key == "maxoverlap") {
-      now.maxoverlap = parameters->number("maxoverlap", text, DCMParameters::POSITIVE);
-    } else if (key == "growth") {
-      now.growth = parameters->number("growth", text, DCMParameters::POSITIVE);
-      if (now.growth < 1.0)
-        error->all(FLERR, "{}: growth is {}, must be at least 1 (no growth)", STYLE, now.growth);
+  DCMArgs args(
+      lmp, STYLE, narg, arg,
+      {"law", "branch", "points", "h0", "rmax", "range", "concave", "maxoverlap", "growth"});
+  while (args.next()) {
+    if (args.is("law")) {
+      now.law = args.choose({"dmt", "maugis"});
+    } else if (args.is("branch")) {
+      now.history = args.choose({"cutoff", "history"});
+    } else if (args.is("concave")) {
+      now.concave = args.choose({"flat", "negative"});
+    } else if (args.is("points")) {
+      now.points = (int) args.whole(1, 4);
+    } else if (args.is("h0")) {
+      now.h0_auto = args.word("auto");
+      now.h0 = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("rmax")) {
+      now.rmax = args.number(DCMArgs::POSITIVE);
+      args.check(now.rmax >= 1.0, "at least 1 (a round cell)");
+    } else if (args.is("range")) {
+      now.range = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("maxoverlap")) {
+      now.maxoverlap = args.number(DCMArgs::POSITIVE);
     } else {
-      error->all(FLERR,
-                 "{}: unknown keyword {}; known: law branch points h0 rmax range concave "
-                 "maxoverlap growth",
-                 STYLE, key);
+      now.growth = args.number(DCMArgs::POSITIVE);
+      args.check(now.growth >= 1.0, "at least 1 (no growth)");
     }
   }
   if (now.history && now.law != MAUGIS)
@@ -168,27 +149,19 @@ void PairDCMContact::forget_layout()
 }
 
 /* ----------------------------------------------------------------------
-   pair_coeff * * FILE name1 ... nameN [keyword value ...]
+   pair_coeff * * [FILE name1 ... nameN] [keyword value ...]
 ------------------------------------------------------------------------- */
 
 void PairDCMContact::coeff(int narg, char **arg)
 {
   if (!allocated) allocate();
-  if (narg < 3 || strcmp(arg[0], "*") != 0 || strcmp(arg[1], "*") != 0)
-    error->all(FLERR, "{}: expected 'pair_coeff * * FILE name1 ... nameN [keyword value ...]'",
+  if (narg < 2 || strcmp(arg[0], "*") != 0 || strcmp(arg[1], "*") != 0)
+    error->all(FLERR, "{}: expected 'pair_coeff * * [FILE name1 ... nameN] [keyword value ...]'",
                STYLE);
-  static const std::vector<std::string> known = {
-      "E_contact", "nu_contact", "W", "friction_normal", "friction_tangential", "a1",
-      "a2",        "a3",         "a4"};
-  parameters = std::make_unique<DCMParameters>(lmp, STYLE);
-  int iarg = 2 + parameters->parse(narg - 2, arg + 2, atom->ntypes);
-  while (iarg < narg) {
-    const int used = parameters->parse_keyword(narg - iarg, arg + iarg, known);
-    if (!used)
-      error->all(FLERR, "{}: unknown pair_coeff keyword {}; known: {}", STYLE, arg[iarg],
-                 utils::join_words(known, " "));
-    iarg += used;
-  }
+  parameters = std::make_unique<DCMParameters>(lmp, STYLE, PARAMETERS);
+  DCMArgs args(lmp, STYLE + ", pair_coeff", narg - 2, arg + 2, {});
+  parameters->parse(args, atom->ntypes);
+  while (args.next()) parameters->parse_keyword(args);
   for (int i = 1; i <= atom->ntypes; i++)
     for (int j = i; j <= atom->ntypes; j++) setflag[i][j] = 1;
 }
@@ -204,6 +177,7 @@ void PairDCMContact::init_style()
   set_sisters({});
   built = -1;
 
+  parameters->resolve();
   scan_types();
   expect_types();
   fix_cell = nullptr;
