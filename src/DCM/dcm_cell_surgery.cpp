@@ -226,25 +226,74 @@ void DCMCellSurgery::remove(const std::vector<tagint> &molecules)
 }
 
 /* ----------------------------------------------------------------------
+   tags in use. Those of a deformable cell follow each other, the center's first, unless a data file
+   says otherwise: then, and for atoms that belong to no cell, all ranks get them one by one.
+------------------------------------------------------------------------- */
+
+void DCMCellSurgery::find_used()
+{
+  struct Head {
+    tagint molecule, tag;
+  };
+  std::vector<Head> mine;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (dcm->kind[i] == AtomVecDCM::CENTER) mine.push_back({atom->molecule[i], atom->tag[i]});
+  auto heads = dcm_allgather(mine, world);
+  std::sort(heads.begin(), heads.end(), [](const Head &a, const Head &b) {
+    return a.molecule < b.molecule;
+  });
+  auto cell_of = [&heads](tagint molecule) {
+    const auto found =
+        std::lower_bound(heads.begin(), heads.end(), molecule, [](const Head &head, tagint mol) {
+          return head.molecule < mol;
+        });
+    return found == heads.end() || found->molecule != molecule ? -1 : (int) (found - heads.begin());
+  };
+
+  // a cell with as many atoms as its tags reach beyond its center's has them all
+
+  const int n = (int) heads.size();
+  std::vector<tagint> count(n, 0), reach(n, 0);
+  std::vector<int> cells(atom->nlocal);
+  for (int i = 0; i < atom->nlocal; i++) {
+    const int c = cells[i] = cell_of(atom->molecule[i]);
+    if (c < 0) continue;
+    const tagint offset = atom->tag[i] - heads[c].tag;
+    count[c]++;
+    reach[c] = std::max(reach[c], offset < 0 ? MAXTAGINT - 1 : offset);
+  }
+  if (n) {
+    MPI_Allreduce(MPI_IN_PLACE, count.data(), n, MPI_LMP_TAGINT, MPI_SUM, world);
+    MPI_Allreduce(MPI_IN_PLACE, reach.data(), n, MPI_LMP_TAGINT, MPI_MAX, world);
+  }
+  used.clear();
+  for (int c = 0; c < n; c++)
+    if (count[c] == reach[c] + 1) used.push_back({heads[c].tag, heads[c].tag + reach[c]});
+  std::vector<Range> loose;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (cells[i] < 0 || count[cells[i]] != reach[cells[i]] + 1)
+      loose.push_back({atom->tag[i], atom->tag[i]});
+  loose = dcm_allgather(loose, world);
+  used.insert(used.end(), loose.begin(), loose.end());
+  std::sort(used.begin(), used.end(), [](const Range &a, const Range &b) {
+    return a.first < b.first;
+  });
+  have_used = true;
+}
+
+/* ----------------------------------------------------------------------
    first of n tags in a row that nobody has; found in the same way on all ranks
 ------------------------------------------------------------------------- */
 
 tagint DCMCellSurgery::free_tags(tagint n)
 {
-  if (!have_used) {
-    const std::vector<tagint> mine(atom->tag, atom->tag + atom->nlocal);
-    used = dcm_allgather(mine, world);
-    std::sort(used.begin(), used.end());
-    have_used = true;
-  }
+  if (!have_used) find_used();
   tagint first = 1;
   size_t at = 0;
-  for (; at < used.size() && used[at] - first < n; at++) first = used[at] + 1;
+  for (; at < used.size() && used[at].first - first < n; at++) first = used[at].last + 1;
   if (first > MAXTAGINT - n)
     error->all(FLERR, "{}: no atom IDs left at step {}", asking, update->ntimestep);
-  std::vector<tagint> taken(n);
-  for (tagint k = 0; k < n; k++) taken[k] = first + k;
-  used.insert(used.begin() + at, taken.begin(), taken.end());
+  used.insert(used.begin() + at, {first, first + n - 1});
   return first;
 }
 

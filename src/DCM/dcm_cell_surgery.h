@@ -75,9 +75,14 @@ class DCMCellSurgery : protected Pointers {
   struct DCMAtoms *dcm;
   int nbefore = 0;                   // local atoms that stay
   bigint expected[3] = {0, 0, 0};    // atoms, bonds, dihedrals, summed over ranks
-  std::vector<tagint> used;          // sorted tags of all ranks, once needed
+
+  struct Range {
+    tagint first, last;
+  };
+  std::vector<Range> used;    // tags of all ranks, sorted, once needed
   bool have_used = false;
 
+  void find_used();
   tagint free_tags(tagint);
   void count(bigint *) const;
 };

@@ -67,7 +67,7 @@ FixDCMCell::~FixDCMCell() = default;
 
 int FixDCMCell::setmask()
 {
-  return PRE_NEIGHBOR | PRE_FORCE;
+  return PRE_NEIGHBOR | PRE_FORCE | MIN_PRE_NEIGHBOR | MIN_PRE_FORCE;
 }
 
 FixDCMCell *FixDCMCell::require(LAMMPS *lmp, const std::string &asking)
@@ -99,6 +99,7 @@ void FixDCMCell::init()
   dcm = AtomVecDCM::require(lmp, "Fix dcm/cell");
   if (!force->newton_pair || !force->newton_bond)
     error->all(FLERR, "Fix dcm/cell needs newton on for pairs and bonds; remove 'newton off'");
+  if (update->whichflag == 2) check_minimize();
   table.reserve_molecules();
 }
 

@@ -51,6 +51,8 @@ class FixDCMCell : public Fix {
   void pre_neighbor() override;
   void setup_pre_force(int) override;
   void pre_force(int) override;
+  void min_pre_neighbor() override { pre_neighbor(); }
+  void min_pre_force(int vflag) override { pre_force(vflag); }
   void write_restart(FILE *) override;
   void restart(char *) override;
 
@@ -160,6 +162,7 @@ class FixDCMCell : public Fix {
   void measure_cells();
   void measure_curvature();
   void check_surfaces();
+  void check_minimize();
 };
 
 }    // namespace LAMMPS_NS

@@ -19,8 +19,11 @@
 #include "law/vector.h"
 #include "domain.h"
 #include "error.h"
+#include "force.h"
+#include "modify.h"
 #include "neighbor.h"
 #include "update.h"
+#include "utils.h"
 
 #include <algorithm>
 #include <cmath>
@@ -108,4 +111,29 @@ void FixDCMCell::check_surfaces()
                "Fix dcm/cell: face {} is degenerate: its area is {} of its cell's mean face "
                "area; repair the mesh",
                thin, least.value);
+}
+
+/* ----------------------------------------------------------------------
+   minimizers: faces follow their vertices and pressure, cortex, bending and contact act as in a
+   run. Contact derives from no energy, which those with a line search follow.
+------------------------------------------------------------------------- */
+
+void FixDCMCell::check_minimize()
+{
+  for (const char *style : {"^neb$", "^neb/spin$"})
+    if (!modify->get_fix_by_style(style).empty())
+      error->all(FLERR,
+                 "Fix dcm/cell: fix neb moves the atoms of replicas one by one, which tears the "
+                 "faces of cells off their vertices; there is no way to use it with cells");
+  int any = 0;    // two spheres have an energy
+  for (int i = 0; i < atom->nlocal; i++)
+    if (dcm->kind[i] == AtomVecDCM::CENTER) any = 1;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
+  const std::string style = update->minimize_style;
+  const bool damped = utils::strmatch(style, "^fire") || utils::strmatch(style, "^quickmin");
+  if (any && !damped && force->pair_match("dcm/contact", 1))
+    error->all(FLERR,
+               "Fix dcm/cell: min_style {} follows the energy, and contacts of deformable cells "
+               "have none; use 'min_style fire' (or quickmin), which follows the forces",
+               style);
 }

@@ -123,7 +123,7 @@ FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
 
 int FixDCMConfine::setmask()
 {
-  return INITIAL_INTEGRATE | PRE_REVERSE;
+  return INITIAL_INTEGRATE | PRE_REVERSE | MIN_PRE_REVERSE;
 }
 
 /* ---------------------------------------------------------------------- */

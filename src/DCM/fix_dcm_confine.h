@@ -40,6 +40,7 @@ class FixDCMConfine : public Fix, public DCMRole {
   void setup_pre_reverse(int, int) override;
   void initial_integrate(int) override;
   void pre_reverse(int, int) override;
+  void min_pre_reverse(int eflag, int vflag) override { pre_reverse(eflag, vflag); }
   void write_restart(FILE *) override;
   void restart(char *) override;
   double compute_scalar() override;

@@ -14,6 +14,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_args.h"
+#include "dcm_cell_bins.h"
 #include "dcm_compat.h"
 #include "dcm_cell_variable.h"
 #include "dcm_record.h"
@@ -29,6 +30,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <cstring>
 
 using namespace LAMMPS_NS;
@@ -152,6 +154,13 @@ std::vector<int> FixDCMConvert::wanted(const Cells &cells)
     for (const auto &it : cells) molecules.push_back(it.molecule);
     value = dcm_cell_variable(lmp, variable, molecules);
   }
+  std::vector<double> places;    // of the cells that others are near to
+  std::unique_ptr<DCMCellBins> bins;
+  if (near_bit) {
+    for (const auto &it : cells)
+      if (it.mask & near_bit) places.insert(places.end(), it.x, it.x + 3);
+    bins = std::make_unique<DCMCellBins>(domain, places, near[1]);
+  }
   for (size_t n = 0; n < cells.size(); n++) {
     const auto &it = cells[n];
     if (!(it.mask & groupbit)) continue;
@@ -164,11 +173,11 @@ std::vector<int> FixDCMConvert::wanted(const Cells &cells)
       in = value[n] > 0.0;
       out = value[n] < 0.0;
     } else {
+      // all centers of the group that may be near enough stand in the bins around the cell
       out = true;
-      for (const auto &other : cells) {
-        if (!(other.mask & near_bit)) continue;
+      for (const int m : bins->near(it.x)) {
         double d[3];
-        for (int k = 0; k < 3; k++) d[k] = other.x[k] - it.x[k];
+        for (int k = 0; k < 3; k++) d[k] = places[3 * (size_t) m + k] - it.x[k];
         dcm_minimum_image(domain, d[0], d[1], d[2]);
         const double distance = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         in = in || distance < near[0];

@@ -48,7 +48,7 @@ static constexpr double SOFTEST = 1.0e-3;
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/division seed S [plane random|long|given x y z|variable v_x v_y v_z]
-       [cbm soften T|truncate F] [tolerance t] [maxiter n] [log FILE]
+       [cbm soften T|truncate F] [tolerance t] [maxiter n] [every N] [log FILE]
 ------------------------------------------------------------------------- */
 
 FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
@@ -60,6 +60,7 @@ FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
   if (!modify->get_fix_by_style("^dcm/division$").empty())
     error->all(FLERR, "There is a fix dcm/division already (ID {}); a deck has at most one",
                modify->get_fix_by_style("^dcm/division$")[0]->id);
+  nevery = 1;
   parse(narg - 3, arg + 3);
 
   vector_flag = 1;
@@ -75,7 +76,8 @@ FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
 
 void FixDCMDivision::parse(int narg, char **arg)
 {
-  DCMArgs args(lmp, STYLE, narg, arg, {"seed", "plane", "cbm", "tolerance", "maxiter", "log"});
+  DCMArgs args(lmp, STYLE, narg, arg,
+               {"seed", "plane", "cbm", "tolerance", "maxiter", "every", "log"});
   while (args.next()) {
     if (args.is("seed")) {
       seed = args.whole();
@@ -84,6 +86,8 @@ void FixDCMDivision::parse(int narg, char **arg)
     } else if (args.is("tolerance")) {
       settings.tolerance = args.number(DCMArgs::POSITIVE);
       args.check(settings.tolerance <= 0.1, "at most 0.1");
+    } else if (args.is("every")) {
+      nevery = (int) args.whole();
     } else if (args.is("plane")) {
       parse_plane(args);
     } else if (args.is("cbm")) {
@@ -175,6 +179,7 @@ void FixDCMDivision::initial_integrate(int /*vflag*/)
 {
   if (!sisters.empty()) hold_back_sisters();
   ready.clear();
+  if (update->ntimestep % nevery) return;
   for (const auto &it : cell->cells().all())
     if (it.phase == DCMCellTable::READY) ready.push_back(it.molecule);
   if (ready.empty()) return;

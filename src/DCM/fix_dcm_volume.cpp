@@ -62,7 +62,7 @@ FixDCMVolume::FixDCMVolume(LAMMPS *lmp, int narg, char **arg) :
 
 int FixDCMVolume::setmask()
 {
-  return PRE_REVERSE;
+  return PRE_REVERSE | MIN_PRE_REVERSE;
 }
 
 /* ---------------------------------------------------------------------- */

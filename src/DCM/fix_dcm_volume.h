@@ -35,6 +35,7 @@ class FixDCMVolume : public Fix, public DCMRole {
   void init() override;
   void setup_pre_reverse(int, int) override;
   void pre_reverse(int, int) override;
+  void min_pre_reverse(int eflag, int vflag) override { pre_reverse(eflag, vflag); }
   double compute_scalar() override;
   double compute_vector(int) override;
   int pack_reverse_comm(int, int, double *) override;

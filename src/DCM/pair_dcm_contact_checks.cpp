@@ -17,6 +17,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_allgather.h"
+#include "dcm_cell_bins.h"
 #include "dcm_compat.h"
 #include "law/triangle.h"
 #include "law/volume.h"
@@ -159,8 +160,16 @@ void PairDCMContact::check_start()
 
   std::vector<int> near_mine, near_all;
   const int nbodies = (int) bodies.size();
+  std::vector<double> places;
+  double largest = 0.0;
+  for (const auto &body : bodies) {
+    places.insert(places.end(), body.x, body.x + 3);
+    largest = std::max(largest, body.radius);
+  }
+  const DCMCellBins bins(domain, places, std::max(2.0 * largest, 1.0e-6 * domain->prd[0]));
   for (int a = comm->me; a < nbodies; a += comm->nprocs)
-    for (int b = a + 1; b < nbodies; b++) {
+    for (const int b : bins.near(bodies[a].x)) {
+      if (b <= a) continue;
       Vec3 d = vec(bodies[b].x) - vec(bodies[a].x);
       const double Ra = bodies[a].radius, Rb = bodies[b].radius;
       const double limit = Ra + Rb - 0.5 * std::min(Ra, Rb);
