@@ -94,10 +94,8 @@ std::string ComputeDCMCell::known() const
 {
   std::string names;
   for (const auto &value : VALUES) names += std::string(names.empty() ? "" : " ") + value.name;
-  const auto found = modify->get_fix_by_style("^dcm/cell$");
-  if (!found.empty())
-    for (const auto &name : dynamic_cast<FixDCMCell *>(found[0])->cells().column_names())
-      names += " " + name;
+  if (const auto *const fix = FixDCMCell::find(lmp))
+    for (const auto &name : fix->cells().column_names()) names += " " + name;
   return names;
 }
 
@@ -117,8 +115,7 @@ void ComputeDCMCell::init()
     if (!column.value || std::find(OF_TABLE.begin(), OF_TABLE.end(), column.name) != OF_TABLE.end())
       from_table = true;
   cell = nullptr;
-  if (any || from_table || !modify->get_fix_by_style("^dcm/cell$").empty())
-    cell = FixDCMCell::require(lmp, STYLE);
+  if (any || from_table || FixDCMCell::find(lmp)) cell = FixDCMCell::require(lmp, STYLE);
   spheres = from_table ? cell->request_spheres() : DCMRequest<>();
 
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));

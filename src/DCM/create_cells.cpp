@@ -86,8 +86,8 @@ void CreateCells::command(int narg, char **arg)
 
   bigint ncreated[2] = {0, 0}, natoms = 0;
   tagint tag = last[0] + 1, molecule = last[1] + 1;
-  for (auto *fix : modify->get_fix_by_style("^dcm/cell$"))    // IDs of dead cells stay theirs
-    molecule = std::max(molecule, dynamic_cast<FixDCMCell *>(fix)->cells().last_molecule() + 1);
+  if (const auto *const fix = FixDCMCell::find(lmp))    // IDs of dead cells stay theirs
+    molecule = std::max(molecule, fix->cells().last_molecule() + 1);
   for (const auto &request : requests) {
     const auto &type = types[{request.name, request.deformable}];
     if (request.deformable) {

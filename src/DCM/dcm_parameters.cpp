@@ -97,9 +97,8 @@ bool DCMParameters::parse_keyword(DCMArgs &args)
 void DCMParameters::resolve()
 {
   if (has_own) return;
-  const auto fixes = modify->get_fix_by_style("^dcm/cell$");
-  const DCMParameters *const deck =
-      fixes.empty() ? nullptr : dynamic_cast<FixDCMCell *>(fixes[0])->cell_types();
+  const auto *const fix = FixDCMCell::find(lmp);
+  const DCMParameters *const deck = fix ? fix->cell_types() : nullptr;
   if (!deck)
     error->all(FLERR,
                "{}: expected cell-type names: say 'fix cell all dcm/cell types FILE name1 ... "

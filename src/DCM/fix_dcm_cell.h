@@ -112,7 +112,8 @@ class FixDCMCell : public Fix {
   // mean edge length over all faces of a cell type's cells at the last rebuild
   double mean_edge() const { return edge_mean; }
 
-  // the one instance; error naming the asking style when there is none
+  // the one instance, nullptr if the deck has none; or an error naming the asking style
+  static FixDCMCell *find(class LAMMPS *);
   static FixDCMCell *require(class LAMMPS *, const std::string &asking);
 
   // make one if the deck has none, for styles that work without deformable cells: in
@@ -130,6 +131,8 @@ class FixDCMCell : public Fix {
 
  private:
   enum Comm { GEOMETRY, CURVATURE, REGION };
+  static constexpr int NCURVATURE =
+      7;    // sums per node: Laplace vector, normal, mixed Voronoi area
 
   struct DCMAtoms *dcm;
   std::unique_ptr<class DCMParameters> types;
@@ -145,7 +148,7 @@ class FixDCMCell : public Fix {
 
   Comm commflag = GEOMETRY;
   double edge_mean = 0.0;
-  std::vector<double> node_sums;    // per atom 7: Laplace vector, normal, mixed Voronoi area
+  std::vector<double> node_sums;    // per atom, for the curvature
   std::vector<double> cell_sums, packed;
   std::vector<int> first_around, around;    // faces around each node, by the atom map's copy of it
   std::vector<int> image_kind;

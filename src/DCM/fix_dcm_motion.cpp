@@ -124,7 +124,7 @@ void FixDCMMotion::check_deck()
       later = true;
       continue;
     }
-    if (other->time_integrate && !utils::strmatch(other->style, "^dcm/"))
+    if (other->time_integrate && !dynamic_cast<DCMRole *>(other))
       error->all(FLERR, "{} and fix {} ({}) both move atoms; unfix one of them", STYLE, other->id,
                  other->style);
     if (later && (modify->get_fix_mask(other) & POST_FORCE)) deferred = true;

@@ -262,8 +262,8 @@ void PairDCMContact::expect_types()
 
 bool PairDCMContact::has_fix_cell() const
 {
-  const auto found = modify->get_fix_by_style("^dcm/cell$");
-  return !found.empty() && dynamic_cast<FixDCMCell *>(found[0])->expects_deformable();
+  const auto *const fix = FixDCMCell::find(lmp);
+  return fix && fix->expects_deformable();
 }
 
 /* ----------------------------------------------------------------------
