@@ -5,6 +5,8 @@
 #include "law/lbfgs.h"
 #include "helpers.h"
 
+#include <Eigen/Dense>
+
 #include <limits>
 
 using namespace dcm;

@@ -27,7 +27,7 @@ struct Parabola : RadialLaw<Parabola> {
   void core(double r2, double &q0, double &q1) const
   {
     q0 = r2 / 4.0;
-    q1 = std::sqrt(r2) * r2 / (5.0 * std::sqrt(r2));
+    q1 = r2 / 5.0;
   }
   double core_p(double r2) const { return r2; }
 };
@@ -84,8 +84,8 @@ TEST(RadialIntegral, PolygonAroundTheContact)
 TEST(RadialIntegral, PolygonBesideTheContact)
 {
   expect_equal(integral(LAW, rectangle(2.1, 3, -1, 1)), RadialSums(), 0.0);
-  // within the corner's reach, beyond the circle: angles of the edges cancel
-  expect_equal(integral(LAW, rectangle(1.5, 3, 1.5, 3)), RadialSums(), 1.0e-14);
+  // its corner just beyond the circle
+  expect_equal(integral(LAW, rectangle(1.5, 3, 1.5, 3)), RadialSums(), 0.0);
   expect_equal(integral(LAW, {}), RadialSums(), 0.0);
 }
 

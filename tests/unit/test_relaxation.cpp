@@ -45,7 +45,7 @@ TEST(Relaxation, StartsAsFarFromTheWallsAsCanBe)
   // a centroid without room, as that of a bent half: the best point of a grid of 12/16
   for (const Vec3 &poor : {Vec3(-2.0 * plane.normal), Vec3(8.0 * plane.normal)}) {
     const Vec3 best = start_center(envelope, plane, poor, r);
-    EXPECT_GT(clearance(envelope, plane, best), 3.0 - 0.5 * std::sqrt(3.0) * 0.75);
+    EXPECT_GT(clearance(envelope, plane, best), 2.95 - 0.5 * std::sqrt(3.0) * 0.75);
     EXPECT_LE(clearance(envelope, plane, best), 3.0);
   }
 }
@@ -107,15 +107,15 @@ TEST(Relaxation, GrowsToTheRoundCellAtRest)
 
 TEST(Relaxation, PressureOfATautCell)
 {
-  // all edges longer than at rest by eps: the round cell is in balance at p = 4 K_A eps/R, with
-  // K_A = 0.8756 ks (Cortex.InflatedIcosphere), and rest volume V exp(p/K_V)
-  const double rest = 0.98, eps = 1.0 / rest - 1.0;
+  // all edges l at rest at 0.98 l: the round cell is in balance at p = 4 K_A 0.02/R, with
+  // K_A = 0.8756 ks (Cortex.InflatedIcosphere)
+  const double rest = 0.98;
   FreeCell f(rest);
   Relaxation relaxation(f.cell, f.settings, f.start(1.0));
   relaxation.balance(FreeCell::V);
   const double V = f.cell.enclosed(relaxation.x), p = pressure(HEPATOBLAST.K_V, V, f.cell.V0);
   EXPECT_NEAR(V, FreeCell::V, DIVISION_VOLUME * FreeCell::V);
-  const double target = 4.0 * 0.8756 * HEPATOBLAST.ks * eps / f.cell.radius();
+  const double target = 4.0 * 0.8756 * HEPATOBLAST.ks * (1.0 - rest) / f.cell.radius();
   EXPECT_NEAR(p, target, 0.03 * target);    // 162 nodes
 
   // released to the round cell's own lengths it has no pressure
@@ -124,7 +124,7 @@ TEST(Relaxation, PressureOfATautCell)
   for (size_t n = 0; n < l0.size(); n++) EXPECT_NEAR(f.cell.l0[n], l0[n] / rest, 1.0e-14);
   relaxation.balance(FreeCell::V);
   EXPECT_NEAR(pressure(HEPATOBLAST.K_V, f.cell.enclosed(relaxation.x), f.cell.V0), 0.0,
-              1.0e-2 * target);
+              2.0 * f.settings.tolerance * HEPATOBLAST.ks / f.cell.radius());
 }
 
 TEST(Relaxation, SetVolumeAllOrNothing)
