@@ -12,7 +12,6 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "law/cortex.h"
 #include "law/hinge.h"
 #include "error.h"
 #include "force.h"

@@ -20,6 +20,7 @@
 #include "fix_dcm_cell.h"
 #include "fix_dcm_volume.h"
 #include "force.h"
+#include "law/rest_state.h"
 #include "modify.h"
 #include "update.h"
 

@@ -24,22 +24,19 @@ std::vector<double> fitted_radii(const Mesh &mesh)
   const size_t n = mesh.nodes.size();
   Points laplace(n, Vec3::Zero()), normal(n, Vec3::Zero());
   std::vector<double> area(n, 0.0), radii;
-  std::vector<FaceCurvature> parts;
   for (const auto &f : mesh.faces) {
-    parts.push_back(face_curvature_parts(mesh.nodes[f[0]], mesh.nodes[f[1]], mesh.nodes[f[2]]));
+    const FaceCurvature part =
+        face_curvature_parts(mesh.nodes[f[0]], mesh.nodes[f[1]], mesh.nodes[f[2]]);
     for (int k = 0; k < 3; k++) {
-      laplace[f[k]] += parts.back().laplace[k];
-      normal[f[k]] += parts.back().normal[k];
-      area[f[k]] += parts.back().area[k];
+      laplace[f[k]] += part.laplace[k];
+      normal[f[k]] += part.normal[k];
+      area[f[k]] += part.area[k];
     }
   }
   for (const auto &f : mesh.faces) {
-    double k[3], w[3];
-    for (int i = 0; i < 3; i++) {
-      k[i] = node_curvature(laplace[f[i]], normal[f[i]], area[f[i]]);
-      w[i] = area[f[i]];
-    }
-    radii.push_back(2.0 / face_curvature(k, w));
+    double k = 0.0;
+    for (int i : f) k += node_curvature(laplace[i], normal[i], area[i]) / 3.0;
+    radii.push_back(face_radius(k, 0.0, 0.0, 1.0e6));
   }
   return radii;
 }
@@ -162,6 +159,35 @@ void brute(const State &s, const Vec3 v[3], const Vec3 &axis, const Vec3 &u, con
 }
 
 }    // namespace
+
+TEST(FaceSphere, PassesThroughTheVertices)
+{
+  Random random = rng(20);
+  for (int trial = 0; trial < 100; trial++) {
+    const Vec3 x[3] = {random.gaussian_vector(), random.gaussian_vector(),
+                       random.gaussian_vector()};
+    const Vec3 n = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
+    const double r = make_face(x[0], x[1], x[2], 1.0).radius_circ;
+    for (double R : {1.2 * r, 5.0 * r, -3.0 * r}) {
+      const FaceGeometry f = make_face(x[0], x[1], x[2], R);
+      EXPECT_EQ(f.R, R);
+      EXPECT_LT((f.n - n).norm(), 1.0e-12);
+      for (const Vec3 &v : x) EXPECT_NEAR((v - f.center).norm(), std::fabs(R), 1.0e-10 * (1.0 + r));
+      EXPECT_LT((f.center - f.mid).dot(n) * R, 0.0);    // behind the face when convex
+    }
+  }
+}
+
+TEST(FaceSphere, FacesOfAnIcosphereFindTheCommonOne)
+{
+  // fitted from the mesh alone; the radii are exact although no mean of normals is
+  const Ball ball(2, true);
+  const Vec3 shift(30, -20, 10);
+  for (const FaceGeometry &f : ball.faces(Mat3::Identity(), shift)) {
+    EXPECT_NEAR(f.R, 1.0, 1.0e-11);
+    EXPECT_LT((f.center - shift).norm(), 1.0e-9);
+  }
+}
 
 template <class State> class Contact : public testing::Test {
 };

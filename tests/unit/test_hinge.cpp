@@ -68,6 +68,20 @@ template <class Place> double lattice_bending(double h, double orientation, cons
 
 }    // namespace
 
+TEST(Hinge, BendingStiffnessIsThatOfAPlate)
+{
+  // plate: integral of z^2 E/(1 - nu^2) over the thickness, midpoint rule as the slow reference
+  const double E = 2.0, h = 0.3, nu = 0.5;
+  const int n = 20000;
+  double sum = 0.0;
+  for (int i = 0; i < n; i++) {
+    const double z = h * ((i + 0.5) / n - 0.5);
+    sum += z * z * E / (1.0 - nu * nu) * h / n;
+  }
+  EXPECT_NEAR(bending_stiffness(E, h) / sum, 1.0, 1.0e-8);
+  EXPECT_NEAR(bending_stiffness(E, h, 0.0) / bending_stiffness(E, h), 0.75, 1.0e-14);
+}
+
 TEST(Hinge, SignAndSize)
 {
   for (double theta : {-3.1, -1.5, -1.0e-3, 0.0, 1.0e-7, 0.4, 1.6, 3.1}) {

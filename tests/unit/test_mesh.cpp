@@ -234,6 +234,33 @@ TEST(Mesh, RenumberingAndRotation)
   EXPECT_NEAR(a, b, 1.0e-11);
 }
 
+TEST(Mesh, QualityOfFaces)
+{
+  const Vec3 a(0, 0, 0), b(1, 0, 0), c(0.5, std::sqrt(0.75), 0);
+  EXPECT_NEAR(face_quality(a, b, c), 1.0, 1.0e-15);
+  EXPECT_NEAR(face_quality(7.0 * a, 7.0 * b, 7.0 * c), 1.0, 1.0e-15);
+  EXPECT_EQ(face_quality(a, b, 3.0 * b), 0.0);
+  // stretched by s in any direction of its plane
+  for (double s : {1.5, 3.0, 10.0})
+    for (double turn : {0.0, 0.4, 1.1}) {
+      const Vec3 along(std::cos(turn), std::sin(turn), 0.0);
+      auto stretched = [&](const Vec3 &x) {
+        return Vec3(x + (s - 1.0) * x.dot(along) * along);
+      };
+      EXPECT_NEAR(face_quality(stretched(a), stretched(b), stretched(c)), 2.0 * s / (1.0 + s * s),
+                  1.0e-14);
+    }
+  Mesh mesh = icosphere(1);
+  const double before = worst_face(mesh);
+  EXPECT_GT(before, 0.9);
+  mesh.nodes[0] = 0.99 * mesh.nodes[mesh.faces[0][1]] + 0.01 * mesh.nodes[mesh.faces[0][0]];
+  double worst = 1.0;
+  for (const auto &f : mesh.faces)
+    worst = std::min(worst, face_quality(mesh.nodes[f[0]], mesh.nodes[f[1]], mesh.nodes[f[2]]));
+  EXPECT_LT(worst, 0.5);
+  EXPECT_EQ(worst_face(mesh), worst);
+}
+
 TEST(MeshCheck, NamesEveryFault)
 {
   const Mesh good = cube();

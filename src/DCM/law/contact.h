@@ -100,11 +100,29 @@ inline FaceGeometry make_face(const Vec3 &x0, const Vec3 &x1, const Vec3 &x2, do
 
 namespace detail {
 
-  /// The same face seen as convex: a concave sphere mirrored through the plane of the face.
-  inline void mirror(const FaceGeometry &f, Vec3 &center, double &R)
+  /// Does a face of radius R meet another of radius `other` as a cavity meets a ball?
+  inline bool cavity(double R, double other)
   {
+    return R < 0.0 && other > 0.0 && -R > 2.0 * other;
+  }
+
+  /// Sphere of a face as its partner meets it: as it is, or, if concave and not met as a cavity,
+  /// mirrored through the plane of the face and so convex.
+  inline void sphere_met(const FaceGeometry &f, bool as_cavity, Vec3 &center, double &R)
+  {
+    center = f.center;
+    R = f.R;
+    if (!(R < 0.0) || as_cavity) return;
     center = f.center - 2.0 * f.n * f.n.dot(f.center - f.mid);
     R = -f.R;
+  }
+
+  /// Can a face have a part within c of the axis through origin along u?
+  inline bool near_axis(const FaceGeometry &f, const Vec3 &origin, const Vec3 &u, double c)
+  {
+    const Vec3 off = f.mid - origin;
+    const double along = off.dot(u), bound = c + f.reach;
+    return off.squaredNorm() - along * along < bound * bound;
   }
 
   /// Two unit vectors that make a right-handed frame with u (Duff et al. 2017).
@@ -127,6 +145,14 @@ namespace detail {
       t.x[i] = d.dot(e1);
       t.y[i] = d.dot(e2);
     }
+  }
+
+  // projections smaller than this part of their squared size are seen edge-on: no area, no force
+  constexpr double EDGE_ON = 1e-9;
+
+  inline bool edge_on(double twice_area, double reach)
+  {
+    return !(twice_area > EDGE_ON * reach * reach);
   }
 
   /// Integral of (barycentric weight k) x density, from integral and moments of the density.
@@ -156,17 +182,13 @@ namespace detail {
     for (int k = 0; k < 3; k++) b[k] /= total;
   }
 
-  inline void unflip(double w[3])
+  /// The share of each vertex of a face in a contact, ContactResult's w and b.
+  inline void spread(const Triangle2 &t, double twice_area, const RadialSums &sum, double w[3],
+                     double b[3])
   {
-    std::swap(w[1], w[2]);
-  }
-
-  // projections smaller than this part of their squared size are seen edge-on: no area, no force
-  constexpr double EDGE_ON = 1e-9;
-
-  inline bool edge_on(double twice_area, double reach)
-  {
-    return !(twice_area > EDGE_ON * reach * reach);
+    const double inv2area = 1.0 / twice_area;
+    barycentric(t, inv2area, sum.force, sum.mx, sum.my, w);
+    centroid_weights(t, inv2area, sum, b);
   }
 
 }    // namespace detail
@@ -196,19 +218,12 @@ template <class State>
 bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMaterial &mat,
                int npoints, ContactResult &out, bool existing = false)
 {
-  Vec3 cf = f.center, cg = g.center;
-  double Rf = f.R, Rg = g.R;
-  double sense = 1.0;
-  if (Rf < 0.0 || Rg < 0.0) {
-    if (Rf < 0.0 && Rg > 0.0 && -Rf > 2.0 * Rg)
-      sense = -1.0;
-    else if (Rg < 0.0 && Rf > 0.0 && -Rg > 2.0 * Rf)
-      sense = -1.0;
-    else {
-      if (Rf < 0.0) detail::mirror(f, cf, Rf);
-      if (Rg < 0.0) detail::mirror(g, cg, Rg);
-    }
-  }
+  const bool as_cavity = detail::cavity(f.R, g.R) || detail::cavity(g.R, f.R);
+  const double sense = as_cavity ? -1.0 : 1.0;
+  Vec3 cf, cg;
+  double Rf, Rg;
+  detail::sphere_met(f, as_cavity, cf, Rf);
+  detail::sphere_met(g, as_cavity, cg, Rg);
   const Vec3 axis = sense * (cg - cf);
   // written so that NaN fails each test
   if (!(f.n.dot(axis) > 0.0 && g.n.dot(axis) < 0.0)) return false;
@@ -224,15 +239,11 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
   if (!existing && !(delta > mat.first_touch())) return false;
   const Vec3 u = axis / d;
 
-  // distance of the nearer triangle from the axis against the largest possible contact radius
   const double R = Rf * Rg / (Rf + Rg);
-  const Vec3 of = f.mid - cf, og = g.mid - cf;
-  const double ofu = of.dot(u), ogu = og.dot(u);
   if (!existing) {
+    // distance of the triangles from the axis against the largest possible contact radius
     const double cmax = State::reach(mat, R, delta);
-    const double lf = cmax + f.reach, lg = cmax + g.reach;
-    if (!(of.squaredNorm() - ofu * ofu < lf * lf && og.squaredNorm() - ogu * ogu < lg * lg))
-      return false;
+    if (!(detail::near_axis(f, cf, u, cmax) && detail::near_axis(g, cf, u, cmax))) return false;
   }
 
   Vec3 e1, e2;
@@ -255,13 +266,10 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
   out.delta = delta;
   out.force = sum.force;
   out.area = sum.area;
-  const double iaf = 1.0 / af, iag = 1.0 / ag;
-  detail::barycentric(tf, iaf, sum.force, sum.mx, sum.my, out.wf);
-  detail::barycentric(tg, iag, sum.force, sum.mx, sum.my, out.wg);
-  detail::centroid_weights(tf, iaf, sum, out.bf);
-  detail::centroid_weights(tg, iag, sum, out.bg);
-  detail::unflip(out.wg);
-  detail::unflip(out.bg);
+  detail::spread(tf, af, sum, out.wf, out.bf);
+  detail::spread(tg, ag, sum, out.wg, out.bg);
+  std::swap(out.wg[1], out.wg[2]);    // g was projected with its vertices in reverse
+  std::swap(out.bg[1], out.bg[2]);
   return true;
 }
 
@@ -276,15 +284,11 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   // a sphere whose center is behind the face's plane does not touch it from outside; the fictitious
   // sphere of a flat face reaches far beyond the face and would find an overlap there
   if (!(radius > 0.0) || !(f.n.dot(center - f.mid) > 0.0)) return false;
-  Vec3 cf = f.center;
-  double Rf = f.R;
-  double sense = 1.0;
-  if (Rf < 0.0) {
-    if (-Rf > 2.0 * radius)
-      sense = -1.0;
-    else
-      detail::mirror(f, cf, Rf);
-  }
+  const bool as_cavity = detail::cavity(f.R, radius);
+  const double sense = as_cavity ? -1.0 : 1.0;
+  Vec3 cf;
+  double Rf;
+  detail::sphere_met(f, as_cavity, cf, Rf);
   const Vec3 axis = sense * (center - cf);
   if (!(f.n.dot(axis) > 0.0)) return false;
   const double d = axis.norm();
@@ -294,12 +298,7 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   const Vec3 u = axis / d;
 
   const double R = Rf * radius / (Rf + radius);
-  if (!existing) {
-    const Vec3 of = f.mid - cf;
-    const double ofu = of.dot(u);
-    const double lf = State::reach(mat, R, delta) + f.reach;
-    if (!(of.squaredNorm() - ofu * ofu < lf * lf)) return false;
-  }
+  if (!existing && !detail::near_axis(f, cf, u, State::reach(mat, R, delta))) return false;
 
   Vec3 e1, e2;
   detail::frame(u, e1, e2);
@@ -307,14 +306,13 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   detail::project(f, cf, e1, e2, false, tf);
   const double af = tf.twice_area();
   if (detail::edge_on(af, f.reach)) return false;
-
-  State state;
-  if (!state.set(mat, R, delta, existing)) return false;
   Boundary2 poly;
   for (int k = 0; k < 3; k++) {
     const int kn = (k + 1) % 3;
     poly.add(tf.x[k], tf.y[k], tf.x[kn], tf.y[kn]);
   }
+  State state;
+  if (!state.set(mat, R, delta, existing)) return false;
   RadialSums sum;
   radial_integral(state, poly, npoints, sum);
   if (!(sum.area > 0.0)) return false;
@@ -323,8 +321,7 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   out.delta = delta;
   out.force = sum.force;
   out.area = sum.area;
-  detail::barycentric(tf, 1.0 / af, sum.force, sum.mx, sum.my, out.wf);
-  detail::centroid_weights(tf, 1.0 / af, sum, out.bf);
+  detail::spread(tf, af, sum, out.wf, out.bf);
   out.wg[0] = sum.force;
   out.wg[1] = out.wg[2] = 0.0;
   out.bg[0] = 1.0;

@@ -1,14 +1,17 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// Cortex: one Kelvin-Voigt element (spring and dashpot side by side) per mesh edge.
-// Source: Van Liedekerke et al. 2022, supplement S1, eqs 1-3 and 5.
+// Cortex: one Kelvin-Voigt element (spring and dashpot side by side) per mesh edge. Here is the
+// spring; the dashpot is friction, an EdgeBlock of friction.h.
+// Source: Van Liedekerke et al. 2022, supplement S1, eqs 1-3.
 // Units: lengths um, forces nN, moduli nN/um^2 (= kPa), time s; any consistent set works.
 
 #ifndef DCM_CORTEX_H
 #define DCM_CORTEX_H
 
+#include "friction.h"
 #include "vector.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dcm {
@@ -26,12 +29,6 @@ inline double cortex_stiffness(double E, double h, CortexStiffness form)
 {
   const double sqrt3 = std::sqrt(3.0);
   return (form == CortexStiffness::AREA ? 2.0 / sqrt3 : 0.5 * sqrt3) * E * h;
-}
-
-/// Bending constant of a hinge, nN um: E h^3 / (12 (1 - nu^2)) (S1 eq 5).
-inline double bending_stiffness(double E, double h, double nu = 0.5)
-{
-  return E * h * h * h / (12.0 * (1.0 - nu * nu));
 }
 
 /// Tension in an edge, nN, positive when it pulls its ends together: k_s (l - l0) (S1 eq 1).
@@ -55,13 +52,17 @@ inline Vec3 cortex_force(double ks, double l0, const Vec3 &rij)
   return (-cortex_tension(ks, l, l0) / l) * rij;
 }
 
-/// Dashpot force on node j of edge i-j, nN; node i gets the opposite (S1 eq 1).
-/// gamma in nN s/um, vij = v_j - v_i, e = unit vector from i to j. The isotropic dashpot of the
-/// source (projected = false) also resists rigid rotation of a cell, the projected one does not.
-inline Vec3 dashpot_force(double gamma, const Vec3 &vij, const Vec3 &e, bool projected)
+/// Stiffness of an edge, nN/um, slots to be filled in: ks along it, across it tension over length,
+/// which is left out where it is negative (a compressed edge gives way sideways).
+inline EdgeBlock cortex_stiffness_block(double ks, double l0, const Vec3 &rij)
 {
-  if (projected) return (-gamma * vij.dot(e)) * e;
-  return -gamma * vij;
+  EdgeBlock b = {};
+  const double l = rij.norm();
+  if (l == 0.0) return b;
+  b.iso = std::max(0.0, cortex_tension(ks, l, l0) / l);
+  b.along = ks - b.iso;
+  vec(b.e) = rij / l;
+  return b;
 }
 
 }    // namespace dcm

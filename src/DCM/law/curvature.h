@@ -4,7 +4,8 @@
 // Units: lengths um, areas um^2, curvatures 1/um. Faces are counter-clockwise seen from outside.
 //
 // Use: add face_curvature_parts() of every face to its three nodes, then per node
-// k = node_curvature(sum laplace, sum normal, sum area), then per face face_curvature().
+// k = node_curvature(sum laplace, sum normal, sum area), then per face face_radius() of the mean k
+// of its nodes; make_face() (contact.h) puts the sphere of that radius through the vertices.
 // Node curvatures are averaged as scalars: three unit normals that differ average to less than
 // one, so averaging vectors makes spheres too large (1.5 % at 162 nodes).
 
@@ -82,14 +83,6 @@ inline double node_curvature(const Vec3 &K_sum, const Vec3 &N_sum, double S)
   return d == 0.0 ? 0.0 : K_sum.dot(N_sum) / d;
 }
 
-/// Curvature of a face, 1/um: mean of its nodes' scalars k, weighted by their areas (um^2).
-inline double face_curvature(const double k[3], const double weights[3])
-{
-  const double w = weights[0] + weights[1] + weights[2];
-  if (w == 0.0) return (k[0] + k[1] + k[2]) / 3.0;
-  return (weights[0] * k[0] + weights[1] * k[1] + weights[2] * k[2]) / w;
-}
-
 /// Radius of the sphere that stands for a face, um: 2/kf clipped to [Rmin, Rmax]. A concave or
 /// flat face gets Rmax; with negative_allowed a concave one gets -(2/|kf|, clipped likewise).
 /// |R| is never below the circumradius r_circ, so that the sphere can pass through the vertices.
@@ -101,30 +94,6 @@ inline double face_radius(double kf, double r_circ, double Rmin, double Rmax,
   double R = k * Rmax > 2.0 ? std::max(2.0 / k, Rmin) : Rmax;
   R = std::max(R, r_circ);
   return concave && negative_allowed ? -R : R;
-}
-
-/// Circumcenter of a triangle, um; r_circ receives the circumradius. A triangle of exactly zero
-/// area has none: its centroid and half its longest side are returned, so the result is finite.
-inline Vec3 circumcenter(const Vec3 &a, const Vec3 &b, const Vec3 &c, double &r_circ)
-{
-  const Vec3 u = b - a, v = c - a;
-  const Vec3 m = u.cross(v);
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), mm = m.squaredNorm();
-  if (mm == 0.0) {
-    r_circ = 0.5 * std::sqrt(std::max({uu, vv, (c - b).squaredNorm()}));
-    return (a + b + c) / 3.0;
-  }
-  const Vec3 w = (vv * m.cross(u) - uu * m.cross(v)) / (2.0 * mm);
-  r_circ = w.norm();
-  return a + w;
-}
-
-/// Center of the sphere of radius R through the vertices of a face, um: behind the face for
-/// R > 0, before it for R < 0 (concave). n = unit outward normal. |R| < r_circ counts as r_circ.
-inline Vec3 sphere_center(const Vec3 &circumcenter, const Vec3 &n, double R, double r_circ)
-{
-  const double depth = std::sqrt(std::max(R * R - r_circ * r_circ, 0.0));
-  return circumcenter - (R < 0.0 ? -depth : depth) * n;
 }
 
 }    // namespace dcm

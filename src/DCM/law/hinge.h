@@ -1,6 +1,6 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// Bending of the cortex: a hinge on every edge between two triangles (S1 eq 4).
+// Bending of the cortex: a hinge on every edge between two triangles (S1 eqs 4-5).
 // Units: lengths um, forces nN, energies nN um, angles rad.
 //
 // Atom order: triangle 1 = (x2, x3, x1) and triangle 2 = (x3, x2, x4), both counter-clockwise
@@ -14,6 +14,7 @@
 #ifndef DCM_HINGE_H
 #define DCM_HINGE_H
 
+#include "stiffness.h"
 #include "vector.h"
 
 #include <algorithm>
@@ -21,6 +22,12 @@
 #include <limits>
 
 namespace dcm {
+
+/// Bending constant of a hinge, nN um: E h^3 / (12 (1 - nu^2)) (S1 eq 5).
+inline double bending_stiffness(double E, double h, double nu = 0.5)
+{
+  return E * h * h * h / (12.0 * (1.0 - nu * nu));
+}
 
 /// Forces on the four atoms of a hinge (nN) and its energy (nN um).
 struct Hinge {
@@ -87,6 +94,22 @@ inline Hinge hinge(double kb, double theta0, const Vec3 &x1, const Vec3 &x2, con
   h.f3 = -t1 * h.f1 - t4 * h.f4;
   h.f2 = (t1 - 1.0) * h.f1 + (t4 - 1.0) * h.f4;
   return h;
+}
+
+/// Stiffness of a hinge, slots to be filled in: c = kb cos(theta - theta0), nN um, and g the
+/// gradient of theta, 1/um; at theta = theta0 that is all of -dF/dx. Zero beyond a right angle from
+/// there, where the hinge gives way, and for a degenerate triangle.
+inline RankOne<4> hinge_stiffness(double kb, double theta0, const Vec3 &x1, const Vec3 &x2,
+                                  const Vec3 &x3, const Vec3 &x4)
+{
+  // a hinge at a right angle from its rest angle has all its moment: force = -gradient of theta
+  const double theta = hinge_angle(x1, x2, x3, x4);
+  const Hinge h = hinge(1.0, theta - 0.5 * PI, x1, x2, x3, x4);
+  RankOne<4> b = {};
+  b.c = kb * std::max(0.0, std::cos(theta - theta0));
+  const Vec3 *f[4] = {&h.f1, &h.f2, &h.f3, &h.f4};
+  for (int k = 0; k < 4; k++) vec(b.g[k]) = -*f[k];
+  return b;
 }
 
 }    // namespace dcm

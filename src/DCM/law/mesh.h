@@ -127,6 +127,22 @@ inline double mean_edge(const Mesh &mesh)
   return list.empty() ? 0.0 : sum / double(list.size());
 }
 
+/// Shape of a triangle, 4 sqrt(3) area / (sum of squared sides): 1 equilateral, 0 degenerate.
+inline double face_quality(const Vec3 &a, const Vec3 &b, const Vec3 &c)
+{
+  const double sides = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
+  return 2.0 * std::sqrt(3.0) * (b - a).cross(c - a).norm() / sides;
+}
+
+/// Quality of the worst face of a mesh.
+inline double worst_face(const Mesh &mesh)
+{
+  double worst = 1.0;
+  for (const auto &f : mesh.faces)
+    worst = std::min(worst, face_quality(mesh.nodes[f[0]], mesh.nodes[f[1]], mesh.nodes[f[2]]));
+  return worst;
+}
+
 /// Icosphere with all nodes on the unit sphere: an icosahedron, every face split into four at its
 /// edge midpoints `level` times, new nodes pushed out to the sphere each time. Levels 1 to 5 give
 /// 42, 162, 642, 2562 and 10242 nodes; anything else throws std::invalid_argument.

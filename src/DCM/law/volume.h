@@ -55,6 +55,13 @@ inline double pressure_energy(double KV, double V, double V0)
   return KV * (V * std::log(V / V0) - V + V0);
 }
 
+/// Stiffness of that potential against the volume, nN/um^5: c of a CellBlock (stiffness.h), whose
+/// G is dV/dr, on each vertex of a face a third of face_area_vector(). -p d2V/dr2 is left out.
+inline double pressure_stiffness(double KV, double V)
+{
+  return KV / V;
+}
+
 /// Force on each of the three vertices of a face, nN: p A n / 3. The sum over the faces of a
 /// closed surface is exactly p dV/dr: no net force, no net torque, derives from pressure_energy().
 inline Vec3 face_pressure_force(double p, const Vec3 &a, const Vec3 &b, const Vec3 &c)

@@ -1,0 +1,207 @@
+// LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
+
+// Stiffness of a linearly implicit step,
+//
+//   (Gamma + dt K) v = F,   K = the positive semidefinite part of -dF/dx,
+//
+// as a sum of blocks, in the slots and vectors of friction.h. Each law gives its own part of K:
+//
+//   cortex edge    EdgeBlock       cortex_stiffness_block()
+//   hinge          RankOne<4>      hinge_stiffness()
+//   contact        ContactBlock    weights and axis of its friction block
+//   volume         CellBlock       pressure_stiffness() and the gradient of the volume
+//
+// Every block is symmetric and positive semidefinite by its form. What would make -dF/dx
+// indefinite (tension below zero, the second derivatives of angle and volume, softening of a
+// contact) is left out: that costs accuracy of the step, not its stability.
+// A volume block couples all nodes of a cell: its product needs one number per cell, summed over
+// the processes that share the cells. That message goes through the Communicator of
+// friction_solver.h, of which only sum() is used.
+// Units: blocks in force/length (nN/um); dt in s turns them into friction.
+
+#ifndef DCM_STIFFNESS_H
+#define DCM_STIFFNESS_H
+
+#include "friction.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace dcm {
+
+/// c (g_1, ..., g_N) (g_1, ..., g_N)^T over N slots, each with a direction of its own: energy of a
+/// scalar with gradient g and second derivative c >= 0. Slots differ, but for the fixed slot 0.
+template <int N> struct RankOne {
+  int n[N];
+  double c;
+  double g[N][3];
+};
+
+/// One node of a cell: gradient of the cell's scalar (its volume) by the node's position.
+struct CellNode {
+  int n;
+  double g[3];
+};
+
+/// c G G^T over all nodes of a cell, c >= 0; here are those of this process, numbers begin to
+/// end - 1 of StiffnessSystem::nodes. A node belongs to the process that owns it, and to it alone,
+/// with its full gradient.
+struct CellBlock {
+  std::size_t begin, end;
+  double c;
+};
+
+/* ----------------------------------------------------------------------
+   y += dt (block) p; returns p . dt (block) p
+------------------------------------------------------------------------- */
+
+inline double add_product(const EdgeBlock &b, double dt, const double *p, double *y)
+{
+  const double *pi = p + STRIDE * (std::size_t) b.i, *pj = p + STRIDE * (std::size_t) b.j;
+  double *yi = y + STRIDE * (std::size_t) b.i, *yj = y + STRIDE * (std::size_t) b.j;
+  double d = 0.0, power = 0.0;
+  for (int k = 0; k < 3; k++) d += (pi[k] - pj[k]) * b.e[k];
+  for (int k = 0; k < 3; k++) {
+    const double f = dt * (b.iso * (pi[k] - pj[k]) + b.along * d * b.e[k]);
+    power += f * (pi[k] - pj[k]);
+    yi[k] += f;
+    yj[k] -= f;
+  }
+  return power;
+}
+
+inline double add_product(const ContactBlock &b, double dt, const double *p, double *y)
+{
+  double s[3] = {0.0, 0.0, 0.0}, d = 0.0, power = 0.0;
+  for (int l = 0; l < 6; l++)
+    for (int k = 0; k < 3; k++) s[k] += b.w[l] * p[STRIDE * (std::size_t) b.n[l] + k];
+  for (int k = 0; k < 3; k++) d += s[k] * b.u[k];
+  for (int k = 0; k < 3; k++) {
+    const double f = dt * (b.tangential * s[k] + (b.normal - b.tangential) * d * b.u[k]);
+    power += f * s[k];
+    for (int l = 0; l < 6; l++) y[STRIDE * (std::size_t) b.n[l] + k] += b.w[l] * f;
+  }
+  return power;
+}
+
+template <int N> double add_product(const RankOne<N> &b, double dt, const double *p, double *y)
+{
+  double d = 0.0;
+  for (int l = 0; l < N; l++)
+    for (int k = 0; k < 3; k++) d += b.g[l][k] * p[STRIDE * (std::size_t) b.n[l] + k];
+  const double f = dt * b.c * d;
+  for (int l = 0; l < N; l++)
+    for (int k = 0; k < 3; k++) y[STRIDE * (std::size_t) b.n[l] + k] += f * b.g[l][k];
+  return f * d;
+}
+
+/* ----------------------------------------------------------------------
+   add the diagonal 3x3 blocks of dt (block) to d, 6 numbers per slot as in friction.h
+------------------------------------------------------------------------- */
+
+inline void add_isotropic(double *m, double c)
+{
+  for (int k = 0; k < 3; k++) m[k] += c;
+}
+
+inline void add_full_diagonal(const EdgeBlock &b, double dt, double *d)
+{
+  for (int n : {b.i, b.j}) {
+    add_isotropic(d + 6 * (std::size_t) n, dt * b.iso);
+    add_symmetric(d + 6 * (std::size_t) n, dt * b.along, b.e);
+  }
+}
+
+inline void add_full_diagonal(const ContactBlock &b, double dt, double *d)
+{
+  for (int k = 0; k < 6; k++) {    // a node may stand in two slots, see friction.h
+    double weight = 0.0;
+    for (int l = 0; l < 6; l++)
+      if (b.n[l] == b.n[k]) weight += b.w[l];
+    weight *= dt * b.w[k];
+    add_isotropic(d + 6 * (std::size_t) b.n[k], weight * b.tangential);
+    add_symmetric(d + 6 * (std::size_t) b.n[k], weight * (b.normal - b.tangential), b.u);
+  }
+}
+
+template <int N> void add_full_diagonal(const RankOne<N> &b, double dt, double *d)
+{
+  for (int l = 0; l < N; l++) add_symmetric(d + 6 * (std::size_t) b.n[l], dt * b.c, b.g[l]);
+}
+
+/* ----------------------------------------------------------------------
+   the blocks of one process and the products with them
+------------------------------------------------------------------------- */
+
+class StiffnessSystem {
+ public:
+  std::vector<EdgeBlock> edges;
+  std::vector<ContactBlock> contacts;
+  std::vector<RankOne<4>> hinges;
+  std::vector<CellBlock> cells;    ///< as many, in the same order and with the same c, everywhere
+  std::vector<CellNode> nodes;     ///< of all cells, those of one cell next to each other
+
+  void clear()
+  {
+    edges.clear();
+    contacts.clear();
+    hinges.clear();
+    cells.clear();
+    nodes.clear();
+  }
+
+  /// y += dt K p of this process' blocks: to be called after FrictionSystem::apply(), with p known
+  /// in all slots; slots of other processes are then to be added to their owners. Returns this
+  /// process' share of p . dt K p. Collective: one sum over the cells, if there are any.
+  template <class Communicator>
+  double apply(double dt, const double *p, double *y, Communicator &comm)
+  {
+    double power = 0.0;
+    for (const auto &b : edges) power += add_product(b, dt, p, y);
+    for (const auto &b : contacts) power += add_product(b, dt, p, y);
+    for (const auto &b : hinges) power += add_product(b, dt, p, y);
+    if (!cells.empty()) power += apply_cells(dt, p, y, comm);
+    for (int k = 0; k < STRIDE; k++) y[k] = 0.0;    // slot 0 is fixed
+    return power;
+  }
+
+  /// d += diagonal 3x3 blocks of dt K, 6 numbers per slot: after FrictionSystem::diagonal_blocks().
+  void add_diagonal(double dt, double *d) const
+  {
+    for (const auto &b : edges) add_full_diagonal(b, dt, d);
+    for (const auto &b : contacts) add_full_diagonal(b, dt, d);
+    for (const auto &b : hinges) add_full_diagonal(b, dt, d);
+    for (const auto &b : cells)
+      for (std::size_t i = b.begin; i < b.end; i++)
+        add_symmetric(d + 6 * (std::size_t) nodes[i].n, dt * b.c, nodes[i].g);
+    for (int k = 0; k < 6; k++) d[k] = 0.0;
+  }
+
+ private:
+  std::vector<double> mine, whole;    // G . p per cell: of this process, of all
+
+  template <class Communicator>
+  double apply_cells(double dt, const double *p, double *y, Communicator &comm)
+  {
+    mine.assign(cells.size(), 0.0);
+    for (std::size_t c = 0; c < cells.size(); c++)
+      for (std::size_t i = cells[c].begin; i < cells[c].end; i++)
+        for (int k = 0; k < 3; k++)
+          mine[c] += nodes[i].g[k] * p[STRIDE * (std::size_t) nodes[i].n + k];
+    whole = mine;
+    comm.sum(whole.data(), (int) whole.size());
+
+    double power = 0.0;
+    for (std::size_t c = 0; c < cells.size(); c++) {
+      const double f = dt * cells[c].c * whole[c];
+      for (std::size_t i = cells[c].begin; i < cells[c].end; i++)
+        for (int k = 0; k < 3; k++) y[STRIDE * (std::size_t) nodes[i].n + k] += f * nodes[i].g[k];
+      power += f * mine[c];
+    }
+    return power;
+  }
+};
+
+}    // namespace dcm
+
+#endif
