@@ -191,6 +191,22 @@ def parse_atoms(path, first, rows):
     return atoms
 
 
+def type_labels(contents):
+    """Dict of number -> label of the atom types of a DataFile, empty if its atoms have numbers."""
+    labels = {words[0]: words[1] for words in contents.sections.get("Atom Type Labels", ())}
+    return labels if set(contents.atoms["type"]) & set(labels.values()) else {}
+
+
+def type_names(column, labels):
+    """Atom types (n,) as text, "0" for NaN: numbers become the label that `labels` (number ->
+    label) has."""
+    if column.dtype != object:
+        column = np.where(np.isnan(column), 0, column).astype(int)
+    words, at = np.unique(column.astype(str), return_inverse=True)
+    words = ["0" if w in ("nan", "None") else labels.get(w, w) for w in words.tolist()]
+    return np.array(words, dtype=object)[at]
+
+
 def slot_lookup(ids):
     """Array `slot` with slot[id] = row of `id` in `ids`, -1 for ids that do not occur."""
     ids = np.asarray(ids, dtype=int)
