@@ -1,15 +1,17 @@
-"""Analyses of a tissue whose cells grow, divide, die, change form and type, against compute dcm/cell
-dumped in the same run: atom IDs go from cell to cell, and every row must be the right cell's."""
+"""Analyses of a tissue whose cells grow, divide, die, change form and type, against compute
+dcm/cell dumped in the same run: atom IDs go from cell to cell, and every row must be the right
+cell's."""
 
 import csv
 import re
 
-import lammps_dcm
 import numpy as np
 import pytest
-from divisions import Cell, scene_of
+
+import lammps_dcm
 from lammps_dcm.__main__ import main
 from lammps_dcm.render import PALETTE, make_picture
+from support.divisions import Cell, scene_of
 
 EVERY = 5
 FULL = (
@@ -32,8 +34,8 @@ def tissue(scenes):
         scene.dcm(x, y, 0.0, 6.0)
     scene.cbm(12.0, 10.0, 0.0, 5.0)
     scene.cbm(-12.0, 10.0, 0.3, 5.0)
-    dumps = ""
-    for name, columns in (("full", FULL), ("poor", "id mol type x y z"), ("blind", "id type x y z")):
+    dumps, kinds = "", {"full": FULL, "poor": "id mol type x y z", "blind": "id type x y z"}
+    for name, columns in kinds.items():
         # not sorted: rows come in another order in every frame, and on every number of ranks
         dumps += scenes.dump(columns, EVERY, f"{name}.dump").replace(
             f"dump_modify {name}.dump sort id\n", ""

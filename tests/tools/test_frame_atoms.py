@@ -1,10 +1,11 @@
-"""Which cell an atom belongs to in a frame: IDs that pass from cell to cell, and what is told when it
-is not known."""
+"""Which cell an atom belongs to in a frame: IDs that pass from cell to cell, and what is told when
+it is not known."""
 import warnings
 
-import lammps_dcm
 import numpy as np
 import pytest
+
+import lammps_dcm
 
 ALL = "id mol type kind x y z v1 v2 v3"
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from lammps_dcm import Lineage, read_deaths, read_divisions
 from lammps_dcm.__main__ import main
 from lammps_dcm.lineage import LineageError
