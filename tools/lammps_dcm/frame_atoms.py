@@ -128,8 +128,8 @@ class FrameAtoms:
         lost = self.there & ~self.own & (self.kind != TRACER)
         if lost.any():
             raise ValueError(
-                f"{self.where}: the dump has no column mol, and atom ID {self.book.ids[lost][0]} is "
-                "not what it is in the data file: cells have come or gone and cannot be told "
+                f"{self.where}: the dump has no column mol, and atom ID {self.book.ids[lost][0]} "
+                "is not what it is in the data file: cells have come or gone and cannot be told "
                 "apart: add mol to `dump custom`")
         self.book.warn(WITHOUT_MOL, self.where)
 

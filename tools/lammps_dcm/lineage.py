@@ -73,7 +73,8 @@ def read_events(path, style, columns, key):
         if problem:
             if not any(map(str.strip, lines[n:])):
                 warnings.warn(f"{path}:{n}: the last line is not complete ({problem}): LAMMPS was "
-                              "stopped while writing it, or still runs; it is left out")
+                              "stopped while writing it, or still runs; it is left out",
+                              stacklevel=2)
                 break
             raise LineageError(f"{path}:{n}: {problem}: the line is damaged, repair or remove it")
         others += [c for c in names if c not in columns and c not in others]
@@ -187,7 +188,7 @@ class Lineage:
         generation = row["generation"] + 1
         if told not in (-1, generation):
             warnings.warn(f"{where}: the daughters of cell {event.mother} are of generation "
-                          f"{generation} by the log's earlier lines, not {told}")
+                          f"{generation} by the log's earlier lines, not {told}", stacklevel=2)
         if event.daughter1 == event.daughter2:
             raise LineageError(f"{where}: both daughters of cell {event.mother} are cell "
                                f"{event.daughter1}")

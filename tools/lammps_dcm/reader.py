@@ -36,7 +36,7 @@ def find_frames(path, handle):
         try:
             chunk = handle.read1(2**22)    # read() would lose what precedes a damaged gz end
         except EOFError:
-            warnings.warn(f"{path}: the gz file is cut short")
+            warnings.warn(f"{path}: the gz file is cut short", stacklevel=2)
             chunk = b""
         if not chunk:
             break
@@ -83,8 +83,9 @@ class Frame:
                 elif line.startswith("ITEM: BOX BOUNDS"):
                     self._parse_box(line.split()[3:], lines[n + 1:n + 4])
             self.columns = lines[-1].split()[2:]
-            self.step, self.natoms, self.box  # AttributeError if one is missing
-        except (AttributeError, IndexError, ValueError) as err:
+            if not all(hasattr(self, name) for name in ("step", "natoms", "box")):
+                raise ValueError("it lacks TIMESTEP, NUMBER OF ATOMS or BOX BOUNDS")
+        except (IndexError, ValueError) as err:
             raise DumpError(f"{where}: not the header of a text dump ({err}): use "
                             "`dump custom` or `dump atom` without `binary`") from None
 
@@ -168,7 +169,7 @@ class DumpFile:
                     "stopped while writing it, or still runs")
             if last == 0:
                 raise DumpError(text)
-            warnings.warn(text + "; it is left out")
+            warnings.warn(text + "; it is left out", stacklevel=2)
             self.offsets.pop()
 
     def _handle(self):

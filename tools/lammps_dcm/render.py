@@ -228,7 +228,7 @@ def draw_matplotlib(picture, output, view="xy", size=1200, edges=False, opacity=
                                            edgecolors="k" if edges else "none", linewidths=0.2))
     if len(picture.dots):
         axes.scatter(*picture.dots.T, s=2, c="crimson")
-    everything = np.vstack([p for p in polygons])
+    everything = np.vstack(polygons)
     axes.set(**{f"{a}lim": (lo, hi) for a, lo, hi in
                 zip("xyz", everything.min(axis=0), everything.max(axis=0))})
     axes.set_box_aspect(np.ptp(everything, axis=0), zoom=1.25)

@@ -14,8 +14,18 @@ from pathlib import Path
 
 import numpy as np
 from MDAnalysis.core.topology import Topology
-from MDAnalysis.core.topologyattrs import (AtomAttr, Atomids, Atomtypes, Bonds, Dihedrals, Masses,
-                                           Radii, Resids, Resnums, Segids)
+from MDAnalysis.core.topologyattrs import (
+    AtomAttr,
+    Atomids,
+    Atomtypes,
+    Bonds,
+    Dihedrals,
+    Masses,
+    Radii,
+    Resids,
+    Resnums,
+    Segids,
+)
 from MDAnalysis.topology.base import TopologyReaderBase
 
 SPHERE, CENTER, NODE, FACE, TRACER = 1, 2, 3, 4, 5
