@@ -9,6 +9,8 @@ import re
 import numpy as np
 import pytest
 
+from support.meshes import icosphere
+
 TIME = 20  # s, for one run
 COLUMNS = "id mol type c_p[1] c_p[2] c_p[3] c_p[4] xu yu zu"
 
@@ -158,47 +160,19 @@ def sound_or_stops(result, *patterns, **limits):
 # --- meshes with slivers --------------------------------------------------------------------------
 
 
-def sphere_mesh(level):
-    """Icosphere: nodes (unit vectors) and faces."""
-    g = (1 + 5**0.5) / 2
-    x = [
-        (-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g),
-        (0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1),
-    ]  # fmt: skip
-    x = [np.array(v) / np.linalg.norm(v) for v in x]
-    faces = [
-        (0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4),
-        (11, 10, 2), (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8),
-        (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1),
-    ]  # fmt: skip
-    for _ in range(level):
-        mid, finer = {}, []
-
-        def middle(a, b):
-            key = (min(a, b), max(a, b))
-            if key not in mid:
-                v = x[a] + x[b]
-                x.append(v / np.linalg.norm(v))
-                mid[key] = len(x) - 1
-            return mid[key]
-
-        for a, b, c in faces:
-            ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
-            finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
-        faces = finer
-    return np.array(x), faces
-
-
 def sliver_mesh(kind):
     """An icosphere with needles (a short edge) or caps (a node almost on the opposite edge)."""
-    x, faces = sphere_mesh(2)
+    x, faces = icosphere(2)
     for n in (20, 60, 100):
         face = next(f for f in faces if n in f)
         a, b = [i for i in face if i != n]
         goal = x[a] if kind == "needle" else 0.5 * (x[a] + x[b])
         x[n] = goal + (0.05 if kind == "needle" else 0.02) * (x[n] - goal)
-    text = f"OFF\n{len(x)} {len(faces)} 0\n" + "".join("%.12g %.12g %.12g\n" % tuple(v) for v in x)
-    return text + "".join("3 %d %d %d\n" % f for f in faces), len(x), len(faces)
+    text = f"OFF\n{len(x)} {len(faces)} 0\n" + "".join(
+        " ".join(f"{c:.12g}" for c in node) + "\n" for node in x
+    )
+    text += "".join(f"3 {a} {b} {c}\n" for a, b, c in faces)
+    return text, len(x), len(faces)
 
 
 @pytest.mark.parametrize("kind", ["needle", "cap"])
@@ -211,7 +185,7 @@ def test_slivers(lmp, scenes, kind):
     sound(result)
 
 
-# --- forces far beyond what cells can bear ----------------------------------------------------------
+# --- forces far beyond what cells can bear --------------------------------------------------------
 
 
 @pytest.mark.parametrize("force", [50.0, 500.0, 5000.0])
@@ -289,7 +263,8 @@ def test_adhesion_wider_than_the_cell(lmp, scenes, work):
     """Law maugis would turn such an adhesion into a repulsion: it refuses."""
     scene = scenes.doublet(level=2, gap=-0.1, box=25.0)
     contact = scene.contact("law maugis", f"W {work}")
-    stops(lmp.run(deck(scene, 1, contact=contact), timeout=TIME), "too strong for law maugis", "E_contact")
+    result = lmp.run(deck(scene, 1, contact=contact), timeout=TIME)
+    stops(result, "too strong for law maugis", "E_contact")
 
 
 @pytest.mark.parametrize("level", [2, 3])

@@ -8,7 +8,8 @@ import re
 
 import numpy as np
 import pytest
-from divisions import Cell, balanced, deck, frames_of, molecules, read_log, scene_of
+
+from support.divisions import Cell, deck, frames_of, molecules, read_log, scene_of
 
 TIME = 60  # s, for one run
 CLEAR = r"dcm/.*cells? \d+.* step \d+.*[;:,] (reduce|use|raise|give|let|look)"

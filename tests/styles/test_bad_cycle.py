@@ -1,8 +1,9 @@
 """Bad input of the cell cycle's fixes: one error that names style, value and remedy."""
 
 import pytest
-from bad_decks import fails, whole
-from cycle_decks import counting
+
+from support.bad_decks import fails, whole
+from support.cycle_decks import counting
 
 GROWTH = "fix growth all dcm/growth {map} "
 GOOD = GROWTH + "seed 1 cycle_time 1000\n"
@@ -41,25 +42,30 @@ CASES = {
                             "Fix dcm/growth: cell 1 has rest volume .* newborn 100"),
     "fraction": (GROWTH + "seed 1 proliferating hepatoblast 1.5",
                  "Fix dcm/growth: proliferating fraction of hepatoblast is 1.5, must be 0 to 1"),
-    "fraction negative": (GROWTH + "seed 1 proliferating hepatoblast -0.5", "proliferating is -0.5"),
+    "fraction negative": (GROWTH + "seed 1 proliferating hepatoblast -0.5",
+                          "proliferating is -0.5"),
     "fraction type": (GROWTH + "seed 1 proliferating liver 0.5",
                       "Fix dcm/growth: proliferating: no atom type has the cell type liver"),
     # division
     "division seed": (DIVISION, "Fix dcm/division: keyword seed is missing; give a positive"),
     "division keyword": (DIVISION + "x 1", "Fix dcm/division: unknown keyword x; known"),
     "division short": (DIVISION + "seed", "Fix dcm/division: keyword seed needs a value"),
-    "division plane": (DIVISION + "seed 1 plane x", "Fix dcm/division: plane must be random, long.*not x"),
+    "division plane": (DIVISION + "seed 1 plane x",
+                       "Fix dcm/division: plane must be random, long.*not x"),
     "division given": (DIVISION + "seed 1 plane given 0 0 0", "plane given 0 0 0.*give the normal"),
     "division variable": (DIVISION + "seed 1 plane variable x y z", "Fix dcm/division.*v_"),
     "division no variable": (DIVISION + "seed 1 plane variable v_x v_x v_x",
                              "Fix dcm/division.*variable.*x"),
-    "division cbm": (DIVISION + "seed 1 cbm x 1", "Fix dcm/division: cbm must be soften T or trunc"),
-    "division soften": (DIVISION + "seed 1 cbm soften 0", "Fix dcm/division: soften is 0.*positive"),
+    "division cbm": (DIVISION + "seed 1 cbm x 1",
+                     "Fix dcm/division: cbm must be soften T or trunc"),
+    "division soften": (DIVISION + "seed 1 cbm soften 0",
+                        "Fix dcm/division: soften is 0.*positive"),
     "division tolerance": (DIVISION + "seed 1 tolerance 1", "Fix dcm/division: tolerance is 1"),
     "division maxiter": (DIVISION + "seed 1 maxiter 0", "Fix dcm/division: maxiter is 0"),
     "division twice": (DIVISION + "seed 1\nfix again all dcm/division seed 1",
                        "fix dcm/division already .ID division.*at most one"),
-    "division log": (DIVISION + "seed 1 log none/x.log", "Fix dcm/division: cannot open log none/x"),
+    "division log": (DIVISION + "seed 1 log none/x.log",
+                     "Fix dcm/division: cannot open log none/x"),
     # death
     "death nobody": (DEATH, "Fix dcm/death: who dies. give all, region, age, variable or rate"),
     "death keyword": (DEATH + "x 1", "Fix dcm/death: unknown keyword x; known"),

@@ -6,7 +6,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from bad_decks import RUN, fails, whole
+
+from support.bad_decks import RUN, fails, whole
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -55,7 +56,7 @@ def test_contact_history_needs_brick(lmp, scenes):
     fails(lmp, deck, "Pair style dcm/contact.*spheres.*comm_style brick")
 
 
-# --- scenes that cannot be --------------------------------------------------------------------------
+# --- scenes that cannot be ------------------------------------------------------------------------
 
 
 def test_ghost_cutoff(lmp, scenes):
@@ -115,7 +116,7 @@ def test_start_overlap_two_ranks(lmp, scenes):
     fails(lmp, whole(scene), "cells 1 and 2 overlap", "move them apart", np=2)
 
 
-# --- plugin of another LAMMPS -----------------------------------------------------------------------
+# --- plugin of another LAMMPS ---------------------------------------------------------------------
 
 
 def test_other_version(lmp, tmp_path):

@@ -3,7 +3,8 @@
 import re
 
 import pytest
-from bad_decks import fails, whole
+
+from support.bad_decks import fails, whole
 
 
 @pytest.fixture(scope="module")

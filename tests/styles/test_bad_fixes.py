@@ -3,7 +3,8 @@
 import re
 
 import pytest
-from bad_decks import fails, whole
+
+from support.bad_decks import fails, whole
 
 VOLUME = "fix volume all dcm/volume {map} "
 MOTION = "fix motion all dcm/motion {map} "
@@ -34,7 +35,8 @@ FIXES = {
     "maxmove": (MOTION + "maxmove -1", "Fix dcm/motion: maxmove is -1.*positive"),
     "maxmove text": (MOTION + "maxmove x", "Fix dcm/motion: maxmove is 'x'"),
     "floor": (MOTION + "floor 2", "Fix dcm/motion: floor is 2, must be 0 to 1"),
-    "precondition": (MOTION + "precondition x", "Fix dcm/motion: precondition must be block, jacobi or none, not x"),
+    "precondition": (MOTION + "precondition x",
+                     "Fix dcm/motion: precondition must be block, jacobi or none, not x"),
     "motion keyword": (MOTION + "x 1", "Fix dcm/motion: unknown keyword x; known"),
     "motion file": ("fix m all dcm/motion none.dcm a a a a", "Fix dcm/motion.*none.dcm.*path"),
     "motion type": ("fix m all dcm/motion bile_duct.dcm a a a a", "Fix dcm/motion.*cell type a"),
@@ -46,7 +48,8 @@ FIXES = {
     "motion and nve": (MOTION + "\nfix nve all nve", "Fix dcm/motion and fix nve.*unfix one"),
     "motility seed": (MOTILITY, "Fix dcm/motility: add 'seed S'"),
     "motility seed text": (MOTILITY + "seed x", "Fix dcm/motility: seed is 'x', expected"),
-    "motility seed negative": (MOTILITY + "seed -1", "Fix dcm/motility: seed is -1, must be a whole number"),
+    "motility seed negative": (MOTILITY + "seed -1",
+                               "Fix dcm/motility: seed is -1, must be a whole number"),
     "motility D": (MOTILITY + "seed 1 D -1", "Fix dcm/motility: D is -1"),
     "motility D nan": (MOTILITY + "seed 1 D nan", "Fix dcm/motility: D is 'nan'"),
     "motility D text": (MOTILITY + "seed 1 D x", "Fix dcm/motility: D is 'x'"),

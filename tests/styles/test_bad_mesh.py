@@ -1,7 +1,8 @@
 """Bad meshes and arguments of create_cells: one error that names value and remedy; files stay."""
 
 import pytest
-from bad_decks import fails, whole
+
+from support.bad_decks import fails, whole
 
 # --- meshes ---------------------------------------------------------------------------------------
 
@@ -78,7 +79,8 @@ CREATE = {
     "radius text": (CELL.replace(" 6 ", " six "), "'six' is not a number"),
     "position text": (CELL.replace("0 0 0", "0 a 0"), "'a' is not a number"),
     "unknown keyword": (CELL + " spin 3", "unknown keyword spin", "known: "),
-    "unknown mesh": (CELL.replace("icosphere 1", "cube 1"), "mesh must be icosphere LEVEL or file PATH, not cube"),
+    "unknown mesh": (CELL.replace("icosphere 1", "cube 1"),
+                     "mesh must be icosphere LEVEL or file PATH, not cube"),
     "level text": (CELL.replace("icosphere 1", "icosphere one"), "one"),
     "level too large": (CELL.replace("icosphere 1", "icosphere 9"), "9", "level"),
     "level negative": (CELL.replace("icosphere 1", "icosphere -1"), "-1", "level"),
@@ -88,7 +90,8 @@ CREATE = {
     "rotate zero": (CELL + " rotate 0", "rotate.*positive"),
     "scale text": (CELL + " scale x", "scale must be volume or nodes, not x"),
     "atom type text": (CELL.replace("hep 1 2 3", "hep one 2 3"), "dcm is 'one', expected a number"),
-    "atom type too large": (CELL.replace("hep 1 2 3", "hep 1 2 9"), "dcm is 9.*type of 1 to 4", "create_box"),
+    "atom type too large": (CELL.replace("hep 1 2 3", "hep 1 2 9"), "dcm is 9.*type of 1 to 4",
+                            "create_box"),
     "atom types equal": (CELL.replace("hep 1 2 3", "hep 1 2 2"), "three different"),
     "no types": ("create_cells single hep dcm 0 0 0 6 mesh icosphere 1", "no atom types for"),
     "no values": ("create_cells", "[Cc]reate_cells"),

@@ -1,7 +1,8 @@
 """Bad parameters of cortex and contact: one error that names style, value and remedy."""
 
 import pytest
-from bad_decks import fails, whole
+
+from support.bad_decks import fails, whole
 
 # --- parameters -----------------------------------------------------------------------------------
 

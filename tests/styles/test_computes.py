@@ -1,10 +1,11 @@
 """compute dcm/cell and compute dcm/face through the real lmp."""
 
-import itertools
 import math
 
 import numpy as np
 import pytest
+
+from support.meshes import icosphere
 
 HEAD = """
 units lj
@@ -64,38 +65,7 @@ def cell_columns(values, atoms, compute="cells"):
 
 def last(result):
     assert result.returncode == 0, result.out
-    row = {key[2:] if key.startswith("v_") else key: x for key, x in result.thermo[-1].items()}
-    return row
-
-
-def icosphere(level):
-    """Nodes on the unit sphere and faces, independent of the package's own."""
-    g = (1 + math.sqrt(5)) / 2
-    nodes = [v for a in (-1, 1) for b in (-g, g) for v in ((0, a, b), (a, b, 0), (b, 0, a))]
-    nodes = [np.array(v) / math.sqrt(1 + g * g) for v in nodes]
-    edge = min(np.linalg.norm(nodes[0] - v) for v in nodes[1:])
-    faces = []
-    for t in itertools.combinations(range(12), 3):
-        a, b, c = (nodes[i] for i in t)
-        if all(abs(np.linalg.norm(d) - edge) < 1e-9 for d in (a - b, b - c, c - a)):
-            faces.append(t if np.dot(np.cross(b - a, c - a), a) > 0 else t[::-1])
-    for _ in range(level):
-        middle = {}
-
-        def mid(i, j):
-            key = (min(i, j), max(i, j))
-            if key not in middle:
-                m = nodes[i] + nodes[j]
-                middle[key] = len(nodes)
-                nodes.append(m / np.linalg.norm(m))
-            return middle[key]
-
-        finer = []
-        for a, b, c in faces:
-            ab, bc, ca = mid(a, b), mid(b, c), mid(c, a)
-            finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
-        faces = finer
-    return np.array(nodes), np.array(faces)
+    return {key[2:] if key.startswith("v_") else key: x for key, x in result.thermo[-1].items()}
 
 
 def measure(nodes, faces):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-# test.dcm of conftest.py, celltype hepatoblast
+# test.dcm of support/parameters.py, celltype hepatoblast
 E_COR, H_COR, NU_COR, K_V = 5.0, 0.5, 0.5, 2.5
 K_S = 2 / math.sqrt(3) * E_COR * H_COR
 K_B = E_COR * H_COR**3 / (12 * (1 - NU_COR**2))

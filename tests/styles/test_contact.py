@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-E_FACE, NU, W = 5.0, 0.4, 0.1  # test.dcm of conftest.py
+E_FACE, NU, W = 5.0, 0.4, 0.1  # test.dcm of support/parameters.py
 E_SPHERE = 0.45
 
 

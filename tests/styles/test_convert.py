@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
-from cycle_decks import FILES, PLAIN, growth, same, sphere
+
 from lammps_dcm import read_divisions
+from support.cycle_decks import growth, same, sphere
+from support.parameters import FILES, PLAIN
 
 COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
 ATOMS, EDGES = 1 + 42 + 80, 120  # of a deformable cell of an icosphere of level 1
@@ -201,7 +203,7 @@ def test_cycle_and_lineage_go_on(lmp, scenes):
 
 
 def test_compression_slows_who_became_a_sphere(lmp, scenes):
-    """In a deck that began with deformable cells only; Hertz' force of test_growth.py holds them."""
+    """In a deck that began with deformable cells only; Hertz' force as in test_growth.py."""
     scene = scenes.Scene(20.0, "f f f", parameters=PLAIN)
     for x in (-4.75, 4.75):
         scene.dcm(x, 0.0, 0.0, 5.0)

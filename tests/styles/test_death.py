@@ -4,8 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from cycle_decks import FILES, PLAIN, counting, growth, same, sphere, topology_counts
+
 from lammps_dcm import read_deaths
+from support.cycle_decks import counting, growth, same, sphere, topology_counts
+from support.parameters import FILES, PLAIN
 
 COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
 ATOMS, EDGES = 1 + 42 + 80, 120  # of a deformable cell of an icosphere of level 1

@@ -7,7 +7,8 @@ import re
 
 import numpy as np
 import pytest
-from divisions import (
+
+from support.divisions import (
     NODE,
     PERIOD,
     Cell,

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from cycle_decks import FILES, PLAIN, growth, same, sphere
+
+from support.cycle_decks import growth, same, sphere
+from support.parameters import FILES, PLAIN
 
 COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
 STIFFNESS = 2 / 3**0.5 * 5.0 * 0.5  # k_s = 2/sqrt3 E h
@@ -112,7 +114,10 @@ def test_until_volume(lmp, scenes, until):
 def hill_growth(strain_of, half, exponent, duration, steps=20000):
     """Fine integration of df/dt = Hill(strain(f)), f(0) = 1, time in growth phases."""
     f, dt = 1.0, duration / steps
-    rate = lambda f: 1 / (1 + (max(strain_of(f), 0.0) / half) ** exponent)
+
+    def rate(f):
+        return 1 / (1 + (max(strain_of(f), 0.0) / half) ** exponent)
+
     for _ in range(steps):
         f += dt * rate(f + 0.5 * dt * rate(f))
     return f

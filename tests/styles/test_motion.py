@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-G_ECM, D = 1.0, 1e-4  # test.dcm of conftest.py
+G_ECM, D = 1.0, 1e-4  # test.dcm of support/parameters.py
 
 
 def sphere_friction(radius):

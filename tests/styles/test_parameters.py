@@ -4,8 +4,9 @@ import re
 
 import numpy as np
 import pytest
-from bad_decks import RUN, fails, lines_of_error, whole
-from cycle_decks import growth, same
+
+from support.bad_decks import RUN, fails, lines_of_error, whole
+from support.cycle_decks import growth, same
 
 COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
 CELL = "fix cell all dcm/cell\n"
@@ -78,8 +79,8 @@ def test_types_may_change_between_runs(lmp, scenes):
     again = f"unfix cell\nfix cell all dcm/cell types soft.dcm {scene.NAMES.replace('_cbm', '')}\n"
     files = {"soft.dcm": soft}
     both = lmp(deck + "run 0\n" + again + "run 0\n", files=files)
-    soft_only = lmp(deck.replace("types test.dcm", "types soft.dcm").replace("_cbm", "") + "run 0\n",
-                    files=files)  # fmt: skip
+    softer = deck.replace("types test.dcm", "types soft.dcm").replace("_cbm", "")
+    soft_only = lmp(softer + "run 0\n", files=files)
     assert both.runs[1] == soft_only.runs[0]
     assert both.runs[1] != both.runs[0]
 
@@ -146,7 +147,8 @@ def bare(scene, style):
 
 @pytest.mark.parametrize("style", STYLES)
 def test_no_names_anywhere(lmp, scenes, style):
-    fails(lmp, bare(scenes.doublet(), style), STYLES[style] + ": " + re.escape(NEITHER), "FILE name")
+    message = STYLES[style] + ": " + re.escape(NEITHER)
+    fails(lmp, bare(scenes.doublet(), style), message, "FILE name")
 
 
 MISSPELLED = {
@@ -157,10 +159,12 @@ MISSPELLED = {
                      "Fix dcm/volume: unknown keyword frm; known: K_V form"),
     "motion": ("dcm/motion  tolerance", "dcm/motion tolernce",
                "Fix dcm/motion: expected a keyword .*tolerance.* or FILE name1", "tolernce"),
-    "motion, many words": ("dcm/motion  tolerance 1e-12", "dcm/motion tolernce 1e-4 maxiter 9 floor 0",
+    "motion, many words": ("dcm/motion  tolerance 1e-12",
+                           "dcm/motion tolernce 1e-4 maxiter 9 floor 0",
                            "Fix dcm/motion: cannot open parameter file tolernce",
                            "If no file was meant: known keywords are friction_ecm tolerance"),
-    "pair": ("pair_coeff * *", "pair_coeff * * w 0.1", "Pair.*expected a keyword .*W", "FILE name1"),
+    "pair": ("pair_coeff * *", "pair_coeff * * w 0.1", "Pair.*expected a keyword .*W",
+             "FILE name1"),
     "bond": ("bond_coeff 1 hepatoblast", "bond_coeff 1 hepatoblast gama 3",
              "Bond.*cannot open parameter file hepatoblast", "keywords are E_cor h_cor gamma"),
     "bond type": ("bond_coeff 1 hepatoblast", "bond_coeff 1 hepatoblst",
@@ -188,7 +192,8 @@ def test_no_such_name_without_file(lmp, scenes):
     scene = scenes.single_cell()
     deck = once(scene, whole(scene, contact="")).replace("types test.dcm", "types NULL")
     deck = deck.replace("bond_coeff 1 hepatoblast", "bond_coeff 1 liver E_cor 5 h_cor 0.5 gamma 4")
-    fails(lmp, deck, "Bond style dcm/cortex: unknown cell type liver; fix dcm/cell has: hepatoblast")
+    unknown = "Bond style dcm/cortex: unknown cell type liver; fix dcm/cell has: hepatoblast"
+    fails(lmp, deck, unknown)
 
 
 # --- checked when a run starts, in whatever order the deck is written -----------------------------
@@ -271,4 +276,5 @@ def test_confine_group_may_come_later(lmp, scenes, text, before):
     fix, group = f"fix c all dcm/confine {text}\n", "group some type 1\n"
     deck = still_deck(scene, scene.volume() + (fix + group if before else group + fix), False)
     lmp(deck + RUN)
-    fails(lmp, deck + "group some delete\n", "Fix dcm/confine: (group|over): there is no group some")
+    gone = "Fix dcm/confine: (group|over): there is no group some"
+    fails(lmp, deck + "group some delete\n", gone)

@@ -4,8 +4,10 @@ from math import erf
 
 import numpy as np
 import pytest
-from cycle_decks import FILES, PLAIN, counting, growth, same, sphere
+
 from lammps_dcm import Lineage, read_divisions
+from support.cycle_decks import counting, growth, same, sphere
+from support.parameters import FILES, PLAIN
 
 COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
 DIVIDE = "fix division all dcm/division seed 4 log division.log "

@@ -7,8 +7,7 @@ COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
 
 
 def scene_of(scenes, boundary):
-    scene = scenes.hybrid(level=1, boundary=boundary, box=(27.0, 27.0, 14.0), shift=(3.0, 2.0, 0.5))
-    return scene
+    return scenes.hybrid(level=1, boundary=boundary, box=(27.0, 27.0, 14.0), shift=(3.0, 2.0, 0.5))
 
 
 def fixes(scene):

@@ -1,8 +1,9 @@
 """Analyses against closed forms."""
-import lammps_dcm
 import numpy as np
 import pytest
-from meshes import icosphere
+
+import lammps_dcm
+from support.meshes import icosphere
 
 
 def make(scene, tmp_path, *frames, wrap=False, **options):

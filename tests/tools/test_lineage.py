@@ -1,9 +1,11 @@
 """Lineages: logs written out here, with the answers derived by hand."""
 import csv
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+
 from lammps_dcm import Lineage, read_deaths, read_divisions
 from lammps_dcm.__main__ import main
 from lammps_dcm.lineage import LineageError
@@ -264,3 +266,96 @@ def test_undivided_cells_alone(tmp_path, capsys):
     assert main(["lineage", str(tmp_path / "empty.log"), "--initial", "5", "-o",
                  str(tmp_path / "t.png")]) == 0
     assert "cells: 5 at 0 s, 5 at 0 s" in capsys.readouterr().out
+
+
+# ---------------------------------------------------------------------- number of cells
+
+# cells 1 and 2 at first, of which 2 never divides, and 5 dies: 2 3 4 3 4
+RUN = """LAMMPS (4 Feb 2025)
+fix book all dcm/growth NULL d d d seed 1 cycle_time 1000
+   Step         f_book          CPU
+         0   2              0
+       100   3              0.1
+       200   3              0.2
+WARNING: something happened
+       300   3              0.3
+       400   4              0.3
+Loop time of 0.1 on 1 procs
+"""
+
+
+def lineage(tmp_path, capsys, *words):
+    """What the command prints."""
+    assert main(["lineage", *map(str, words), "-o", str(tmp_path / "t.png")]) == 0
+    return capsys.readouterr().out
+
+
+def numbers(said):
+    """Lines about how many cells there are, and the column cells of the table."""
+    lines = said.splitlines()
+    table = [line.split()[1] for line in lines[1:] if line.split()[0] in "0123"]
+    return [s for s in lines if s.startswith(("cells:", "growth", "number", "divisions"))], table
+
+
+def test_number_of_cells_is_not_known_from_the_log_of_divisions(logs, tmp_path, capsys):
+    lines, table = numbers(lineage(tmp_path, capsys, logs[0]))
+    assert lines == ["divisions: 3", "number of cells and growth rate: not known (a cell that "
+                     "neither divides nor dies is in no log: give --initial N, or --thermo LOG of "
+                     "LAMMPS)"]
+    assert table == ["-", "2", "4"]    # daughters are all in the log
+    lines, _ = numbers(lineage(tmp_path, capsys, logs[0], "--death", logs[1]))
+    assert lines[0] == "divisions: 3, deaths: 1" and "not known" in lines[1] and len(lines) == 2
+
+
+def test_number_of_cells_from_the_run(logs, tmp_path, capsys):
+    run = tmp_path / "log.lammps"
+    run.write_text(RUN)
+    lines, table = numbers(lineage(tmp_path, capsys, logs[0], "--death", logs[1], "--thermo", run))
+    assert lines[0] == "cells: 2 at 0 s, 4 at 4000 s" and table == ["2", "2", "4"]
+    # ln N at 0 1000 2500 3000 4000 s: 2 3 4 3 4
+    k = np.polyfit([0, 1000, 2500, 3000, 4000], np.log([2, 3, 4, 3, 4]), 1)[0]
+    assert lines[1] == f"growth rate {k:.6g} 1/s, doubling time {np.log(2) / k:.6g} s"
+    # the same as with all cells named
+    again, _ = numbers(lineage(tmp_path, capsys, logs[0], "--death", logs[1], "--initial", 2))
+    assert again == lines
+
+
+def test_deaths_without_a_log_show_in_the_run(logs, tmp_path, capsys):
+    run = tmp_path / "log.lammps"
+    run.write_text(RUN)
+    lines, table = numbers(lineage(tmp_path, capsys, logs[0], "--thermo", run))
+    assert lines[0] == "divisions: 3" and len(lines) == 2 and table[0] == "-"
+    assert "not known (at step 300 the run has 3 cells, 4 by the logs of divisions and deaths: " \
+        "one of them is missing or of another run)" in lines[1]
+    lines, _ = numbers(lineage(tmp_path, capsys, logs[0], "--initial", 2))
+    assert lines[0] == "cells: 2 at 0 s, 5 at 4000 s, if none died (no log of deaths)"
+
+
+def test_continued_run_tells_the_number_at_the_start(logs, tmp_path, capsys):
+    """The LAMMPS log of the second half: the logs of divisions and deaths have both halves."""
+    run = tmp_path / "log.lammps"
+    run.write_text("\n".join(line for line in RUN.splitlines() if line.split()[0] not in
+                             ("0", "100", "200")) + "\n")
+    lines, _ = numbers(lineage(tmp_path, capsys, logs[0], "--death", logs[1], "--thermo", run))
+    assert lines[0] == "cells: 2 at 0 s, 4 at 4000 s"
+
+
+@pytest.mark.parametrize("change, says", [
+    (("f_book", "f_other"), "no number of cells: add f_book to thermo_style"),
+    (("dcm/growth", "dcm/volume"), "no fix dcm/growth"), (("Step", "Time"), "no thermo output")])
+def test_run_that_does_not_tell(logs, tmp_path, capsys, change, says):
+    (tmp_path / "log.lammps").write_text(RUN.replace(*change))
+    said = lineage(tmp_path, capsys, logs[0], "--thermo", tmp_path / "log.lammps")
+    assert "not known (" in said and says in said
+
+
+def test_initial_cells_that_the_log_contradicts(logs, tmp_path, capsys):
+    assert main(["lineage", str(logs[0]), "--initial", "0", "-o", str(tmp_path / "t.png")]) == 1
+    assert "cell 1 has no mother in " in capsys.readouterr().err
+
+
+def test_tools_run_gives_the_run_to_lineage():
+    """tools/run has the LAMMPS log, which tells what the log of divisions cannot."""
+    text = (Path(__file__).resolve().parents[2] / "tools" / "run").read_text()
+    call = text[text.index("lammps_dcm lineage"):].split("|| true")[0]
+    assert "--thermo" in call and "death.log" in text

@@ -2,9 +2,10 @@
 import os
 
 import pytest
+from PIL import Image
+
 from lammps_dcm.__main__ import main
 from lammps_dcm.movie import find_pictures
-from PIL import Image
 
 COLORS = {1: (255, 0, 0), 9: (0, 255, 0), 10: (0, 0, 255), 100: (255, 255, 0)}
 

@@ -2,9 +2,10 @@
 import gzip
 import pickle
 
-import lammps_dcm
 import numpy as np
 import pytest
+
+import lammps_dcm
 from lammps_dcm.reader import DCMDumpReader, DumpError, DumpFile
 from lammps_dcm.topology import DataFileError, read_data
 

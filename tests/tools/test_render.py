@@ -3,6 +3,7 @@ import csv
 
 import numpy as np
 import pytest
+
 from lammps_dcm.__main__ import main
 from lammps_dcm.log import read_log
 

@@ -3,6 +3,7 @@ import itertools
 import math
 
 import pytest
+
 from lammps_dcm import scene
 from lammps_dcm.__main__ import main
 
@@ -111,8 +112,8 @@ def test_table_round_trip(tmp_path):
 
 
 def test_shipped_tables_are_what_their_command_makes(tmp_path):
-    from pathlib import Path
     import shlex
+    from pathlib import Path
     for path in (Path(__file__).parents[2] / "examples/bile_duct").glob("cells.*.txt"):
         command = path.read_text().splitlines()[1].split("lammps_dcm ", 1)[1]
         words = shlex.split(command)

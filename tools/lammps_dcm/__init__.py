@@ -7,9 +7,9 @@
 __version__ = "0.1.0"
 
 _HOME = {"CellVolume": "analysis", "CellPressure": "analysis", "FaceArea": "analysis",
-         "CellContacts": "analysis", "CellQuality": "analysis", "read_data": "topology",
-         "DumpFile": "reader", "Lineage": "lineage", "read_divisions": "lineage",
-         "read_deaths": "lineage"}
+         "CellContacts": "analysis", "CellQuality": "analysis", "AtomBook": "frame_atoms",
+         "read_data": "topology", "DumpFile": "reader", "Lineage": "lineage",
+         "read_divisions": "lineage", "read_deaths": "lineage"}
 
 
 def load(data=None, dump=None, dt=1.0, scan="auto", rename=None):
@@ -20,14 +20,20 @@ def load(data=None, dump=None, dt=1.0, scan="auto", rename=None):
     region volume0), as far as they are there.
     dump: trajectory; atoms may come and go, absent ones have NaN positions. LAMMPS writes six
     digits by default: use `dump_modify ID format float %.15g` where volumes must be exact.
-    dt: length of a step, s. scan: "auto" or "all", how many frames are searched for new atom IDs.
+    dt: length of a step, s. scan: "auto", "all" or a list of frames, which ones are searched for
+    new atom IDs, see DumpFile.first_seen.
     rename: dict of dump column -> name to use, such as {"c_face[2]": "contact_area"}.
+
+    Attributes of atoms (resids, kinds, types, ...) do not change with the frame in MDAnalysis: they
+    are those of the data file or of the first frame with the atom ID, which LAMMPS gives to other
+    cells when cells divide, die or are converted. `AtomBook(universe).frame()` has those of the
+    current frame, and all analyses use them.
     """
     import MDAnalysis
     import numpy as np
 
     from .reader import DCMDataReader, DCMDumpReader, DumpFile, merge_atoms
-    from .topology import make_topology, read_data
+    from .topology import make_topology, read_data, type_labels
 
     if data is None and dump is None:
         raise ValueError("load() needs a data file, a dump or both")
@@ -37,14 +43,17 @@ def load(data=None, dump=None, dt=1.0, scan="auto", rename=None):
         top = make_topology(contents.atoms, masses, sections.get("Bonds"),
                             sections.get("Dihedrals"))
         return MDAnalysis.Universe(top, str(data), format=DCMDataReader)
+    labels = type_labels(contents) if contents else {}
     file = DumpFile(dump, rename)
-    ids = file.ids(scan)
+    seen = file.first_seen(scan)
+    file.close()
+    ids = seen["id"]
     if contents:
         ids = np.union1d(ids, contents.atoms["id"])
-    top = make_topology(merge_atoms(contents and contents.atoms, file, ids), masses,
+    top = make_topology(merge_atoms(contents and contents.atoms, seen, ids, labels), masses,
                         sections.get("Bonds"), sections.get("Dihedrals"))
-    file.close()
-    return MDAnalysis.Universe(top, str(dump), format=DCMDumpReader, ids=ids, dt=dt, rename=rename)
+    return MDAnalysis.Universe(top, str(dump), format=DCMDumpReader, ids=ids, dt=dt, rename=rename,
+                               labels=labels)
 
 
 def __getattr__(name):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .population import cells_in_no_log, cells_in_run, print_population
 from .table import write_columns
 
 DIVISION_COLUMNS = ("step", "time", "mother", "daughter1", "daughter2", "generation", "kind",
@@ -72,7 +73,8 @@ def read_events(path, style, columns, key):
         if problem:
             if not any(map(str.strip, lines[n:])):
                 warnings.warn(f"{path}:{n}: the last line is not complete ({problem}): LAMMPS was "
-                              "stopped while writing it, or still runs; it is left out")
+                              "stopped while writing it, or still runs; it is left out",
+                              stacklevel=2)
                 break
             raise LineageError(f"{path}:{n}: {problem}: the line is damaged, repair or remove it")
         others += [c for c in names if c not in columns and c not in others]
@@ -122,6 +124,9 @@ class Lineage:
     cycle_time: division - birth, s, so NaN for roots; pressure: largest of the own division, kPa;
     iterations: of the own division; both NaN unless a deformable cell divided. children: list of
     tuples of rows. roots: (r,) rows. A LineageError tells which line contradicts which.
+
+    others: number of cells without a row, there from the start and in no log: 0, unless you set it,
+    which counts(), living() and growth_fit() need to be right; None: not known, they are left out.
     """
 
     def __init__(self, divisions=None, deaths=None, initial=(), begin=0.0, end=None,
@@ -144,6 +149,9 @@ class Lineage:
         self.children = [r["children"] for r in rows]
         self.roots = np.flatnonzero(self.parent < 0)
         self.cycle_time = self.division - self.birth
+        self.others = 0
+        self._changes = np.array([(step, 1 - 2 * which) for step, which, _ in events],
+                                 dtype=int).reshape(-1, 2)
         times = [event.time for _, _, event in events]
         self.begin = float(begin)
         self.end = float(max(times, default=self.begin) if end is None else end)
@@ -180,7 +188,7 @@ class Lineage:
         generation = row["generation"] + 1
         if told not in (-1, generation):
             warnings.warn(f"{where}: the daughters of cell {event.mother} are of generation "
-                          f"{generation} by the log's earlier lines, not {told}")
+                          f"{generation} by the log's earlier lines, not {told}", stacklevel=2)
         if event.daughter1 == event.daughter2:
             raise LineageError(f"{where}: both daughters of cell {event.mother} are cell "
                                f"{event.daughter1}")
@@ -205,6 +213,11 @@ class Lineage:
             raise LineageError(f"no cell {cell} in the logs")
         return self._now[cell]
 
+    def named(self, steps):
+        """Number of cells with a row that live after LAMMPS steps `steps` (m,)."""
+        step, change = self._changes.T
+        return len(self.roots) + (change * (step <= np.reshape(steps, (-1, 1)))).sum(axis=1)
+
     def counts(self):
         """Times (m,), s, and numbers of living cells (m,) from then on: the begin, and every time
         at which the number changes."""
@@ -213,11 +226,12 @@ class Lineage:
         change = np.repeat([1, -1], [len(self.birth), len(gone)])
         change = change[~np.isnan(times)]
         moments, at = np.unique(times[~np.isnan(times)], return_inverse=True)
-        number = len(self.roots) + np.cumsum(np.bincount(at, change, minlength=len(moments)))
+        start = len(self.roots) + (self.others or 0)
+        number = start + np.cumsum(np.bincount(at, change, minlength=len(moments)))
         number = np.rint(number).astype(int)
         if not len(moments) or moments[0] > self.begin:
             moments = np.append(self.begin, moments)
-            number = np.append(len(self.roots), number)
+            number = np.append(start, number)
         keep = np.append(True, np.diff(number) != 0)
         return moments[keep], number[keep]
 
@@ -346,25 +360,30 @@ def draw(tree, output):
     top.set_yticks([])
     for side in ("left", "right", "top"):
         top.spines[side].set_visible(False)
-    others = int((~shown).sum())
-    top.set_title(f"{len(tree)} cells, {len(known(tree.division))} divisions, "
+    others = int((~shown).sum()) + (tree.others or 0)
+    total = len(tree) + (tree.others or 0)
+    in_logs = " in the logs" if tree.others is None else ""
+    top.set_title(f"{total} cells{in_logs}, {len(known(tree.division))} divisions, "
                   f"{len(known(tree.death))} deaths" +
                   (f"; not drawn: {others} that neither divide nor die" if others else ""),
                   fontsize=9)
 
     times, number = tree.counts()
+    unknown = tree.others is None
+    if unknown:
+        number = number - number[0]
     low.step(np.append(times, tree.end) / second, np.append(number, number[-1]), where="post",
              color="black", lw=1.3)
     k, n0 = tree.growth_fit()
-    if np.isfinite(k):
+    if np.isfinite(k) and not unknown:
         t = np.linspace(tree.begin, tree.end, 100)
         low.plot(t / second, n0 * np.exp(k * t), "--", color="crimson", lw=1,
                  label=f"rate {k:.3g} 1/s")
         low.legend(fontsize=8, frameon=False)
-    low.set_ylim(0, None)
+    low.set_ylim(None if number.min() < 0 else 0, None)
     low.yaxis.get_major_locator().set_params(integer=True)
     low.set_xlabel(f"time ({unit})")
-    low.set_ylabel("living cells")
+    low.set_ylabel("change of the\nnumber of cells" if unknown else "living cells")
     low.set_xlim(tree.begin / second, (tree.end + 0.03 * span) / second)
     figure.savefig(output, dpi=130)
     pyplot.close(figure)
@@ -376,13 +395,14 @@ HEADS = {"generation": "generation", "cells": "cells", "divided": "divided", "di
          "cycle_mean": "cycle[s]", "cycle_sd": "sd[s]", "pressure": "pressure[kPa]",
          "iterations": "iterations"}
 EPILOG = """\
-The table has a line per generation. cells: that belonged to it; cycle, sd: mean and standard
+The table has a line per generation. cells: that belonged to it, not known (-) for cells there from
+the start unless --initial or --thermo tells their number; cycle, sd: mean and standard
 deviation of the time from birth to division, which cells that were there from the start do not
 have; pressure, iterations: means over the divisions of its deformable cells, of the largest
 pressure (kPa) and of the iterations of rounding up. The picture shows a branch per cell from
 birth to division or death (a cross), up to 100 branches with their molecule IDs; those of living
 cells run a little beyond the end. Below are the number of living cells and an exponential fitted
-to it."""
+to it, or, if the number at the start is not known, its change."""
 
 
 def print_table(columns):
@@ -399,8 +419,10 @@ def add_arguments(parser):
     parser.epilog = EPILOG
     parser.add_argument("log", metavar="DIVISION_LOG", help="log of fix dcm/division")
     parser.add_argument("--death", metavar="FILE", help="log of fix dcm/death of the same run")
-    parser.add_argument("--initial", type=int, metavar="N", default=0, help="cells 1 to N were "
-                        "there from the start; without it, only those that divide or die count")
+    parser.add_argument("--initial", type=int, metavar="N", help="cells 1 to N, and no others, "
+                        "were there from the start")
+    parser.add_argument("--thermo", metavar="FILE", help="LAMMPS log of the same run, with the "
+                        "number of cells (f_ID of fix ID dcm/growth) in its thermo output")
     parser.add_argument("--begin", type=float, default=0.0, help="of the simulation, s "
                         "(default: %(default)g)")
     parser.add_argument("--end", type=float, help="of the simulation, s; by default the last event")
@@ -411,28 +433,58 @@ def add_arguments(parser):
 
 def run(args, words):
     """Print the table and draw the trees the command line asks for."""
-    logs = [Path(p).resolve() for p in (args.log, args.death) if p]
+    logs = [Path(p).resolve() for p in (args.log, args.death, args.thermo) if p]
     for path in (args.output, args.csv):
         if path and Path(path).resolve() in logs:
             raise ValueError(f"{path} is one of the logs: give another file for the result")
     divisions = read_divisions(args.log)
     deaths = None if args.death is None else read_deaths(args.death)
-    tree = Lineage(divisions, deaths, range(1, args.initial + 1), args.begin, args.end,
+    tree = Lineage(divisions, deaths, range(1, (args.initial or 0) + 1), args.begin, args.end,
                    (args.log, args.death))
     if not len(tree):
         raise ValueError(f"{args.log}: no division yet; with --initial N there is something to "
                          "count")
-    print_table(tree.by_generation())
-    times, number = tree.counts()
-    print(f"cells: {number[0]} at {times[0]:g} s, {number[-1]} at {tree.end:g} s")
-    k, _ = tree.growth_fit()
-    if np.isfinite(k):
-        doubling = f", doubling time {np.log(2.0) / k:.6g} s" if k > 0.0 else ""
-        print(f"growth rate {k:.6g} 1/s{doubling}")
+    problem = count_others(tree, args)
+    print_table(generations_of(tree))
+    print_population(tree, problem, deaths is not None, args.thermo is not None)
     draw(tree, args.output)
     if args.csv:
         mother = np.where(tree.parent >= 0, tree.cell[tree.parent], 0)
         write_columns(args.csv, dict(cell=tree.cell, parent=mother, generation=tree.generation,
                                      birth=tree.birth, division=tree.division, death=tree.death,
                                      cycle_time=tree.cycle_time))
-    print(f"wrote {args.output}: {len(tree)} cells, {len(tree.roots)} from the start")
+    print(f"wrote {args.output}")
+
+
+def count_others(tree, args):
+    """Set tree.others from what the command line says; returns why it stays unknown, or None."""
+    tree.others = None
+    if args.thermo is not None:
+        try:
+            tree.others = cells_in_no_log(tree, *cells_in_run(args.thermo))
+        except ValueError as err:
+            return str(err)
+        return None
+    if args.initial is None:
+        return ("a cell that neither divides nor dies is in no log: give --initial N, or --thermo "
+                "LOG of LAMMPS")
+    tree.others = 0
+    if len(tree.roots) > args.initial:
+        stranger = next(c for c in tree.cell[tree.roots] if c > args.initial)
+        raise LineageError(f"cell {stranger} has no mother in {args.log} and is not among the "
+                           f"cells 1 to {args.initial} of --initial")
+    return None
+
+
+def generations_of(tree):
+    """tree.by_generation() with the cells in no log, which belong to generation 0 unless the tree
+    begins in the middle of another one; then, and if their number is not known, NaN."""
+    table = tree.by_generation()
+    first = np.isin(table["generation"], tree.generation[tree.roots])
+    if tree.others == 0:
+        return table
+    if tree.others is None or (tree.generation[tree.roots] > 0).any():
+        table["cells"] = np.where(first, np.nan, table["cells"])
+    else:
+        table["cells"] = table["cells"] + tree.others * first
+    return table

@@ -1,4 +1,5 @@
 """Movies: the pictures of `dump image` or of `render --frame all` as an animated GIF or an .mp4."""
+import contextlib
 import glob
 import os
 import re
@@ -114,10 +115,8 @@ def write_mp4(pictures, read, output, fps):
     except BrokenPipeError:
         pass    # ffmpeg stopped; its status tells
     finally:
-        try:
+        with contextlib.suppress(BrokenPipeError):
             child.stdin.close()
-        except BrokenPipeError:
-            pass
         status = child.wait()
     if status:
         raise ValueError(f"ffmpeg stopped with status {status}, see its message above")

@@ -3,13 +3,12 @@ import sys
 
 import numpy as np
 
-from .table import write_columns
+from .inputs import add_input, chosen_frames, load_run
+from .table import cell_columns, write_columns
 
 
 def add_arguments(parser):
     """Options of `quality`."""
-    from .render import add_input
-
     parser.epilog = ("Quality of a triangle: 4 sqrt(3) area / (sum of squared edges), 1 for an "
                      "equilateral one, 0 for one without area. Columns: step, cell, worst and "
                      "median quality, atom ID of the worst face.")
@@ -21,17 +20,13 @@ def add_arguments(parser):
 
 def run(args, words):
     """Write the table the command line asks for."""
-    from . import CellQuality, load
-    from .render import chosen_frames, pairs
+    from . import CellQuality
 
-    universe = load(args.data, args.dump, rename=pairs(args.rename, "--rename"))
+    universe = load_run(args, args.frame)
     frames = list(chosen_frames(args.frame, len(universe.trajectory)))
     results = CellQuality(universe).run(frames=frames, verbose=sys.stderr.isatty()).results
-    shape = results.worst.shape
-    columns = {"step": np.repeat(results.steps, shape[1]), "cell": np.tile(results.cells, shape[0])}
-    columns |= {name: results[name].ravel() for name in ("worst", "median", "worst_face")}
-    write_columns(args.output, columns)
+    write_columns(args.output, cell_columns(results, ("worst", "median", "worst_face")))
     if args.output:
         known = np.where(np.isnan(results.worst), np.inf, results.worst)
-        print(f"wrote {args.output}: {shape[0]} frames of {shape[1]} cells, the worst "
-              f"{known.min():.3g}")
+        print(f"wrote {args.output}: {results.present.sum()} rows, {known.shape[1]} cells in "
+              f"{len(frames)} frames, the worst {known.min(initial=np.inf):.3g}")

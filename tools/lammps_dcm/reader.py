@@ -14,7 +14,7 @@ from MDAnalysis.lib.mdamath import triclinic_box
 from MDAnalysis.lib.util import store_init_arguments
 from tqdm import tqdm
 
-from .topology import ATOM_COLUMNS, open_text, read_data, slot_lookup
+from .topology import ATOM_COLUMNS, open_text, read_data, slot_lookup, type_names
 
 COORDINATES = (("xu", "yu", "zu"), ("x", "y", "z"), ("xsu", "ysu", "zsu"), ("xs", "ys", "zs"))
 # names in `compute property/atom` -> names in a data file
@@ -36,7 +36,7 @@ def find_frames(path, handle):
         try:
             chunk = handle.read1(2**22)    # read() would lose what precedes a damaged gz end
         except EOFError:
-            warnings.warn(f"{path}: the gz file is cut short")
+            warnings.warn(f"{path}: the gz file is cut short", stacklevel=2)
             chunk = b""
         if not chunk:
             break
@@ -83,8 +83,9 @@ class Frame:
                 elif line.startswith("ITEM: BOX BOUNDS"):
                     self._parse_box(line.split()[3:], lines[n + 1:n + 4])
             self.columns = lines[-1].split()[2:]
-            self.step, self.natoms, self.box  # AttributeError if one is missing
-        except (AttributeError, IndexError, ValueError) as err:
+            if not all(hasattr(self, name) for name in ("step", "natoms", "box")):
+                raise ValueError("it lacks TIMESTEP, NUMBER OF ATOMS or BOX BOUNDS")
+        except (IndexError, ValueError) as err:
             raise DumpError(f"{where}: not the header of a text dump ({err}): use "
                             "`dump custom` or `dump atom` without `binary`") from None
 
@@ -168,7 +169,7 @@ class DumpFile:
                     "stopped while writing it, or still runs")
             if last == 0:
                 raise DumpError(text)
-            warnings.warn(text + "; it is left out")
+            warnings.warn(text + "; it is left out", stacklevel=2)
             self.offsets.pop()
 
     def _handle(self):
@@ -203,21 +204,36 @@ class DumpFile:
         frame.columns = [self.rename.get(c, c) for c in frame.columns]
         return frame
 
-    def ids(self, scan="auto"):
-        """Sorted IDs of all atoms that occur. scan="auto" looks at the first and the last frame
-        and at those whose number of atoms differs from the one before; "all" at every frame."""
-        if scan not in ("auto", "all"):
-            raise DumpError(f"scan is {scan!r}: use 'auto' or 'all'")
-        found, before = np.zeros(0, dtype=int), None
-        for n in tqdm(range(len(self)), desc="atom IDs", disable=None, leave=False, delay=2):
+    def first_seen(self, scan="auto"):
+        """Columns of all atoms that occur, sorted by ID, each from the first frame that has it.
+
+        scan: the frames that are searched. "auto": the first, the last and those whose number of
+        atoms differs from the one before; "all": every one; else a list of numbers, from the end if
+        negative, to which the first is added. A column that a frame lacks is NaN for its atoms."""
+        if isinstance(scan, str) and scan not in ("auto", "all"):
+            raise DumpError(f"scan is {scan!r}: use 'auto', 'all' or a list of frames")
+        count, before, pieces = len(self), None, []
+        known = np.zeros(0, dtype=int)
+        numbers = range(count) if isinstance(scan, str) else sorted(
+            {0, *(n % count for n in scan if -count <= n < count)})
+        for n in tqdm(numbers, desc="atom IDs", disable=None, leave=False, delay=2):
             frame = self.frame(n)
-            if scan == "all" or n == len(self) - 1 or frame.natoms != before:
+            if scan != "auto" or n == count - 1 or frame.natoms != before:
                 table = frame.table()
                 if "id" not in table:
                     raise DumpError(f"{frame.where}: no column 'id': add it to `dump custom`")
-                found = np.union1d(found, table["id"].astype(int))
+                new = ~np.isin(table["id"], known)
+                if new.any():
+                    known = np.union1d(known, table["id"].astype(int))
+                    pieces.append({c: v[new] for c, v in table.items()})
             before = frame.natoms
-        return found
+        found = {}
+        for c in dict.fromkeys(c for piece in pieces for c in piece):
+            found[c] = np.concatenate([piece.get(c, np.full(len(piece["id"]), np.nan))
+                                       for piece in pieces])
+        found["id"] = found.get("id", np.zeros(0)).astype(int)
+        order = np.argsort(found["id"], kind="stable")
+        return {c: v[order] for c, v in found.items()}
 
 
 def positions_of(table, box, tilt, where=""):
@@ -266,20 +282,23 @@ class DCMDumpReader(ReaderBase):
     """MDAnalysis reader for text dumps: format='DCMDUMP'.
 
     ids: IDs of the atoms, one per slot (`lammps_dcm.load` passes those of data file and dump);
-    by default the slot is id - 1. dt: length of a LAMMPS step, s. rename: as DumpFile.
-    Positions stay where the dump has them, the box need not begin at zero.
+    by default the slot is id - 1. dt: length of a LAMMPS step, s. rename: as DumpFile. labels: dict
+    of number -> label of an atom type, if the data file has labels. Positions stay where the dump
+    has them, the box need not begin at zero.
     """
 
     format = "DCMDUMP"
     units = {"time": None, "length": None, "velocity": None, "force": None}
 
     @store_init_arguments
-    def __init__(self, filename, ids=None, dt=1.0, n_atoms=None, rename=None, **kwargs):
+    def __init__(self, filename, ids=None, dt=1.0, n_atoms=None, rename=None, labels=None,
+                 **kwargs):
         super().__init__(filename, dt=dt, **kwargs)
+        self.labels = labels or {}
         self.dump = DumpFile(self.filename, rename)
         self.step_length = float(dt)
         if ids is None:
-            ids = np.arange(1, max(self.dump.ids().max(), n_atoms or 0) + 1)
+            ids = np.arange(1, max(self.dump.first_seen()["id"].max(), n_atoms or 0) + 1)
         self.ids = np.asarray(ids, dtype=int)
         self.n_atoms = len(self.ids)
         self._slots = slot_lookup(self.ids)
@@ -351,11 +370,12 @@ class DCMDataReader(SingleFrameReaderBase):
         self.ts.dt = 1.0
 
 
-def merge_atoms(atoms, dump, ids):
+def merge_atoms(atoms, seen, ids, labels=None):
     """Columns for a topology with one row per id, from the data file where it has the atom, else
-    from the first frame of the dump that has it; what neither knows is 0 (type "0").
+    from the dump; what neither knows is 0 (type "0").
 
-    atoms: columns of a data file, or None. Returns a dict of ATOM_COLUMNS.
+    atoms: columns of a data file, or None; seen: DumpFile.first_seen(). Returns a dict of
+    ATOM_COLUMNS.
     """
     merged = {c: np.zeros(len(ids), dtype=float if c in ("radius", "x", "y", "z", "volume0")
                           else int) for c in ATOM_COLUMNS}
@@ -366,15 +386,10 @@ def merge_atoms(atoms, dump, ids):
         missing[at] = False
         for c in ATOM_COLUMNS:
             merged[c][at] = atoms[c]
-    for number in range(len(dump)):
-        if not missing.any():
-            break
-        table = dump.frame(number).table()
-        at = slots[table["id"].astype(int)]
-        new = missing[at]
-        missing[at] = False
-        for c in set(ATOM_COLUMNS[1:]) & set(table):
-            values = table[c][new]
-            merged[c][at[new]] = [str(v if isinstance(v, str) else int(v)) for v in values] \
-                if c == "type" else values
+    at = slots[seen["id"]]
+    new = missing[at]
+    for c in set(ATOM_COLUMNS[1:]) & set(seen):
+        values = seen[c][new]
+        merged[c][at[new]] = type_names(values, labels or {}) if c == "type" else \
+            np.nan_to_num(values.astype(float))
     return merged

@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from . import load
-from .analysis import Cells, CellPressure, Mesh, triangle_vectors
-from .topology import FACE, REGION_NAMES, SPHERE, TRACER
+from .analysis import CellPressure
+from .frame_atoms import AtomBook
+from .inputs import add_input, bulk_modulus_of, chosen_frames, load_run, pairs
+from .mesh import Mesh, triangle_vectors
+from .topology import CENTER, FACE, NODE, REGION_NAMES, SPHERE
 
 VIEWS = {"xy": (0, 0, 1), "xz": (0, -1, 0), "yz": (1, 0, 0), "iso": (1, -1, 0.8)}
 UP = {"xy": (0, 1, 0), "xz": (0, 0, 1), "yz": (0, 0, 1), "iso": (0, 0, 1)}
@@ -39,17 +41,27 @@ class Picture:
     title: str
 
 
-def categories(face_values, sphere_values, label, called=None):
-    """Palette colors of values: ((m, 3), (s, 3), legend of at most ten); called: value -> name."""
+def categories(face_values, sphere_values, label, called=None, known=()):
+    """Palette colors of values: ((m, 3), (s, 3), legend of at most ten); called: value -> name.
+    known: values that may occur in other frames, so that each keeps its color."""
     from matplotlib.colors import to_rgb
 
     names, at = np.unique(np.append(face_values, sphere_values).astype(str), return_inverse=True)
-    order = sorted(range(len(names)), key=lambda k: (len(names[k]), names[k]))
-    rank = np.argsort(order)
-    rgb = np.array([to_rgb(PALETTE[r % len(PALETTE)]) for r in rank]).reshape(-1, 3)[at]
-    legend = {(called or {}).get(names[k], f"{label} {names[k]}".strip()): PALETTE[n]
-              for n, k in enumerate(order)} if len(names) <= len(PALETTE) else {}
+    order = sorted({*names.tolist(), *known}, key=lambda name: (len(name), name))
+    color = {name: PALETTE[n % len(PALETTE)] for n, name in enumerate(order)}
+    rgb = np.array([to_rgb(color[name]) for name in names]).reshape(-1, 3)[at]
+    legend = {(called or {}).get(name, f"{label} {name}".strip()): color[name]
+              for name in order if name in names} if len(names) <= len(PALETTE) else {}
     return rgb[:len(face_values)], rgb[len(face_values):], legend
+
+
+def cell_colors(face_cells, sphere_cells):
+    """Palette colors of molecule IDs, ((m, 3), (s, 3)): a cell keeps its color while others come
+    and go."""
+    from matplotlib.colors import to_rgb
+
+    palette = np.array([to_rgb(c) for c in PALETTE])
+    return palette[(face_cells - 1) % len(PALETTE)], palette[(sphere_cells - 1) % len(PALETTE)]
 
 
 def scale(face_values, sphere_values, title, limits, cmap):
@@ -69,7 +81,7 @@ def scale(face_values, sphere_values, title, limits, cmap):
     return rgb[:len(face_values)], rgb[len(face_values):], (title, low, high)
 
 
-def column_values(universe, cells, mesh, spheres, name):
+def column_values(universe, mesh, spheres, name):
     """A dump column on faces and spheres; where faces have nothing, the value of the center."""
     data = universe.trajectory.ts.data
     if name not in data or np.ndim(data[name]) != 1:
@@ -79,52 +91,56 @@ def column_values(universe, cells, mesh, spheres, name):
     values = data[name]
     faces = values[mesh.faces]
     if not np.nan_to_num(faces.astype(float)).any():
-        center = cells.centers[mesh.cell]
+        center = mesh.centers[mesh.cell]
         faces = np.where(center >= 0, values[center], np.nan)
     return faces, values[spheres]
 
 
 def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modulus=None,
-                 names=None):
-    """Picture of the current frame of a Universe, colored by `color` (see the command's help)."""
-    ts, atoms = universe.trajectory.ts, universe.atoms
-    xyz, there = ts.data["xyz"], ~np.isnan(ts.data["xyz"][:, 0])
-    if (atoms.kinds == FACE).any():
-        cells = Cells(universe)
-        mesh = Mesh(cells, ts)
-    else:
-        cells = mesh = None
-    spheres = np.flatnonzero((atoms.kinds == SPHERE) & there)
+                 names=None, book=None):
+    """Picture of the current frame of a Universe, colored by `color` (see the command's help).
+    book: AtomBook of the Universe, to be shared by several pictures."""
+    book = book or AtomBook(universe)
+    ts, atoms = universe.trajectory.ts, book.frame()
+    xyz, spheres = atoms.xyz, atoms.spheres()
+    radii = atoms.sphere_radii(spheres)
+    spheres, radii = spheres[~np.isnan(radii)], radii[~np.isnan(radii)]
+    parts = atoms.there & np.isin(atoms.kind, (CENTER, NODE, FACE))
+    mesh = Mesh(atoms) if parts.any() else None
     if mesh is None and not len(spheres):
         raise ValueError("nothing to draw: no faces and no spheres are known; give --data FILE")
-    radii = ts.data["radius"][spheres] if "radius" in ts.data else atoms.radii[spheres]
     if mesh is None:
         points, triangles = np.zeros((0, 3)), np.zeros((0, 3), dtype=int)
-        molecule = types = np.zeros(0, dtype=object)
+        molecule, types = np.zeros(0, dtype=int), np.zeros(0, dtype=object)
     else:
+        if not mesh.known.all():
+            book.warn(f"cell {mesh.ids[~mesh.known][0]}: the vertices of its faces are not known, "
+                      "so it is not drawn: dump the columns v1 v2 v3 (compute property/atom)",
+                      atoms.where)
         nodes, at, triangles = np.unique(mesh.vertices, return_index=True, return_inverse=True)
         points = mesh.origin[mesh.cell[at // 3]] + mesh.corners.reshape(-1, 3)[at]
         triangles = triangles.reshape(-1, 3)
-        molecule, types = cells.ids[mesh.cell], cells.types[mesh.cell]
+        molecule, types = mesh.ids[mesh.cell], mesh.types[mesh.cell]
 
     bar, legend, nothing = None, {}, np.full(len(spheres), np.nan)
     if color == "cell":
-        face_rgb, sphere_rgb, _ = categories(molecule, atoms.resids[spheres], "cell")
+        atoms.require_cells()
+        face_rgb, sphere_rgb = cell_colors(molecule, atoms.mol[spheres])
     elif color == "type":
-        face_rgb, sphere_rgb, legend = categories(types, atoms.types[spheres], "type",
-                                                  names)
+        face_rgb, sphere_rgb, legend = categories(
+            types, atoms.type[spheres], "type", names,
+            known=book.type[np.isin(book.kind, (CENTER, SPHERE))].tolist())
     elif mesh is None:
         raise ValueError(f"--color {color}: the frame has no deformable cells; use type or cell")
     elif color == "region":
-        regions = ts.data.get("region", atoms.regions.astype(float))[mesh.faces]
-        regions = [REGION_NAMES.get(int(r), "?") for r in np.nan_to_num(regions)]
+        regions = [REGION_NAMES.get(int(r), "?") for r in atoms.region[mesh.faces]]
         face_rgb, sphere_rgb, legend = categories(np.array(regions, dtype=object),
                                                   np.full(len(spheres), "sphere"), "")
     elif color == "pressure":
         if bulk_modulus is None:
             raise ValueError("--color pressure: give the bulk modulus, --bulk-modulus K_V (kPa)")
         frame = ts.frame
-        run = CellPressure(universe, bulk_modulus).run(frames=[frame])
+        run = CellPressure(universe, bulk_modulus, book=book).run(frames=[frame])
         universe.trajectory[frame]    # run() ends at frame 0
         face_rgb, sphere_rgb, bar = scale(run.results.pressure[0][mesh.cell], nothing,
                                           "pressure, kPa", limits, cmap)
@@ -136,9 +152,9 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
         face_rgb, sphere_rgb, bar = scale(ts.data["contact_area"][mesh.faces] / area, nothing,
                                           "contact area / face area", limits or (0, 1), cmap)
     else:
-        faces, on_spheres = column_values(universe, cells, mesh, spheres, color)
+        faces, on_spheres = column_values(universe, mesh, spheres, color)
         face_rgb, sphere_rgb, bar = scale(faces, on_spheres, color, limits, cmap)
-    return Picture(points, triangles, xyz[spheres], radii, xyz[(atoms.kinds == TRACER) & there],
+    return Picture(points, triangles, xyz[spheres], radii, xyz[atoms.tracers()],
                    face_rgb, sphere_rgb, bar, legend, f"step {ts.data.get('step', 0)}")
 
 
@@ -212,7 +228,7 @@ def draw_matplotlib(picture, output, view="xy", size=1200, edges=False, opacity=
                                            edgecolors="k" if edges else "none", linewidths=0.2))
     if len(picture.dots):
         axes.scatter(*picture.dots.T, s=2, c="crimson")
-    everything = np.vstack([p for p in polygons])
+    everything = np.vstack(polygons)
     axes.set(**{f"{a}lim": (lo, hi) for a, lo, hi in
                 zip("xyz", everything.min(axis=0), everything.max(axis=0))})
     axes.set_box_aspect(np.ptp(everything, axis=0), zoom=1.25)
@@ -268,48 +284,6 @@ def _child(picture, output, options):
 
 # ---------------------------------------------------------------------- command line
 
-def pairs(text, option, value=str):
-    """Dict from command-line text NAME=VALUE,NAME=VALUE,..."""
-    found = {}
-    for word in text.split(",") if text else []:
-        name, equals, given = word.partition("=")
-        if not (name and equals and given):
-            raise ValueError(f"{option} {text}: write NAME=VALUE,NAME=VALUE,...")
-        found[name] = value(given)
-    return found
-
-
-def bulk_modulus_of(text):
-    """K_V, kPa, from `2.5` or `TYPE=2.5,TYPE=3`; None if not given."""
-    if text is None:
-        return None
-    try:
-        return pairs(text, "", float) if "=" in text else float(text)
-    except ValueError:
-        raise ValueError(f"--bulk-modulus {text}: give one number, kPa, or TYPE=NUMBER,... for "
-                         "every type of center atom") from None
-
-
-def chosen_frames(text, count):
-    """Numbers of the frames that --frame `text` means, of `count` frames."""
-    try:
-        return range(count) if text == "all" else [range(count)[int(text)]]
-    except (ValueError, IndexError):
-        raise ValueError(f"--frame {text}: there are {count} frames, give 0 to {count - 1}, "
-                         "a negative number from the end, or all") from None
-
-
-def add_input(parser, pressures=True):
-    """The options that name the files of a run, and with `pressures` that for the modulus."""
-    parser.add_argument("dump", nargs="?", help="text dump (dump custom), plain or .gz")
-    parser.add_argument("--data", help="data file: faces, radii, rest volumes")
-    parser.add_argument("--rename", metavar="COLUMN=NAME,...", help="dump columns to "
-                        "rename, such as c_face[2]=contact_area")
-    if pressures:
-        parser.add_argument("--bulk-modulus", metavar="K_V", help="kPa: one number, or "
-                            "TYPE=NUMBER,... for every atom type of a center; for pressures")
-
-
 def add_arguments(parser):
     """Options of `render`."""
     add_input(parser)
@@ -334,7 +308,8 @@ def run(args, words):
     """Render what the command line asks for."""
     if args.dump is None and args.data is None:
         raise ValueError("give a dump, --data FILE, or both")
-    universe = load(args.data, args.dump, rename=pairs(args.rename, "--rename"))
+    universe = load_run(args, args.frame)
+    book = AtomBook(universe)
     count = len(universe.trajectory)
     frames = chosen_frames(args.frame, count)
     output = Path(args.output)
@@ -342,7 +317,7 @@ def run(args, words):
         universe.trajectory[frame]
         picture = make_picture(universe, args.color, args.limits, args.cmap,
                                bulk_modulus_of(args.bulk_modulus),
-                               pairs(args.names, "--names"))
+                               pairs(args.names, "--names"), book)
         name = output if args.frame != "all" else output.with_stem(f"{output.stem}.{frame:05d}")
         engine = draw(picture, name, args.engine, view=args.view, size=args.size,
                       edges=args.edges, opacity=args.opacity, cmap=args.cmap)

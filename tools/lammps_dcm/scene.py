@@ -238,7 +238,8 @@ def crowd(side=2, radius=4.9, type="hepatoblast", gap=0.0, jitter=0.0, seed=1):
     check_gap(gap)
     a = 2.0 * math.sqrt(2.0) * radius * (1.0 + gap)
     corners = np.array(np.meshgrid(*[np.arange(side)] * 3, indexing="ij")).reshape(3, -1).T
-    base = np.array([(0.25, 0.25, 0.25), (0.75, 0.75, 0.25), (0.75, 0.25, 0.75), (0.25, 0.75, 0.75)])
+    base = np.array([(0.25, 0.25, 0.25), (0.75, 0.75, 0.25), (0.75, 0.25, 0.75),
+                     (0.25, 0.75, 0.75)])
     x = a * (corners[:, None, :] + base[None, :, :]).reshape(-1, 3)
     made = [Cell(type, "dcm", *map(float, xk), radius) for xk in x]
     return jittered(made, jitter, seed, planar=False)

@@ -3,6 +3,8 @@ import sys
 
 import numpy as np
 
+from .inputs import add_input, bulk_modulus_of, load_run
+
 
 def write_columns(path, columns):
     """Write a dict of equally long columns as CSV; path None: to the screen."""
@@ -16,29 +18,32 @@ def write_columns(path, columns):
         handle.write(text + "\n")
 
 
+def cell_columns(results, names):
+    """Columns for write_columns: step, cell and those of `names` that an analysis has, with a row
+    for every cell in every frame that has it."""
+    frame, cell = np.nonzero(results.present)
+    columns = {"step": results.steps[frame], "cell": results.cells[cell]}
+    return columns | {name: results[name][frame, cell] for name in names if name in results}
+
+
 def add_arguments(parser):
     """Options of `cells`."""
-    from .render import add_input
-
+    parser.epilog = ("A row per deformable cell of a frame. Cells are told apart by the column mol "
+                     "of the dump, since division gives atom IDs to other cells.")
     add_input(parser)
     parser.add_argument("-o", "--output", help="CSV file; by default the screen")
 
 
 def run(args, words):
     """Write the table the command line asks for."""
-    from . import CellPressure, CellVolume, load
-    from .render import bulk_modulus_of, pairs
+    from . import CellPressure, CellVolume
 
-    universe = load(args.data, args.dump, rename=pairs(args.rename, "--rename"))
+    universe = load_run(args, "all")
     modulus = bulk_modulus_of(args.bulk_modulus)
     analysis = CellVolume(universe) if modulus is None else CellPressure(universe, modulus)
     results = analysis.run(verbose=sys.stderr.isatty()).results
-    shape = results.volume.shape
-    columns = {"step": np.repeat(results.steps, shape[1]),
-               "cell": np.tile(results.cells, shape[0])}
-    for name in ("volume", "area", "pressure"):
-        if name in results:
-            columns[name] = results[name].ravel()
-    write_columns(args.output, columns)
+    write_columns(args.output, cell_columns(results, ("volume", "area", "pressure")))
     if args.output:
-        print(f"wrote {args.output}: {shape[0]} frames of {shape[1]} cells")
+        frames, cells = results.present.shape
+        print(f"wrote {args.output}: {results.present.sum()} rows, {cells} cells in {frames} "
+              "frames")

@@ -14,8 +14,18 @@ from pathlib import Path
 
 import numpy as np
 from MDAnalysis.core.topology import Topology
-from MDAnalysis.core.topologyattrs import (AtomAttr, Atomids, Atomtypes, Bonds, Dihedrals, Masses,
-                                           Radii, Resids, Resnums, Segids)
+from MDAnalysis.core.topologyattrs import (
+    AtomAttr,
+    Atomids,
+    Atomtypes,
+    Bonds,
+    Dihedrals,
+    Masses,
+    Radii,
+    Resids,
+    Resnums,
+    Segids,
+)
 from MDAnalysis.topology.base import TopologyReaderBase
 
 SPHERE, CENTER, NODE, FACE, TRACER = 1, 2, 3, 4, 5
@@ -189,6 +199,22 @@ def parse_atoms(path, first, rows):
     if len(twice):
         raise DataFileError(f"{path}: atom ID {twice[0]} occurs twice")
     return atoms
+
+
+def type_labels(contents):
+    """Dict of number -> label of the atom types of a DataFile, empty if its atoms have numbers."""
+    labels = {words[0]: words[1] for words in contents.sections.get("Atom Type Labels", ())}
+    return labels if set(contents.atoms["type"]) & set(labels.values()) else {}
+
+
+def type_names(column, labels):
+    """Atom types (n,) as text, "0" for NaN: numbers become the label that `labels` (number ->
+    label) has."""
+    if column.dtype != object:
+        column = np.where(np.isnan(column), 0, column).astype(int)
+    words, at = np.unique(column.astype(str), return_inverse=True)
+    words = ["0" if w in ("nan", "None") else labels.get(w, w) for w in words.tolist()]
+    return np.array(words, dtype=object)[at]
 
 
 def slot_lookup(ids):

@@ -60,9 +60,11 @@ def spheroid(options, folder):
 
 def main():
     parser = argparse.ArgumentParser(prog="tools/bench division", description=__doc__)
-    parser.add_argument("--levels", default="1,2,3,4", help="icosphere levels to divide (%(default)s)")
+    parser.add_argument("--levels", default="1,2,3,4",
+                        help="icosphere levels to divide (%(default)s)")
     parser.add_argument("--hours", type=float, default=5.0, help="of the spheroid (%(default)s)")
-    parser.add_argument("--level", type=int, default=2, choices=(1, 2, 3), help="of its meshes (%(default)s)")
+    parser.add_argument("--level", type=int, default=2, choices=(1, 2, 3),
+                        help="of its meshes (%(default)s)")
     options = parser.parse_args()
     levels = [int(text) for text in options.levels.split(",")]
     if not set(levels) <= set(NODES):

@@ -43,7 +43,8 @@ def parse(log):
     lines = timed.splitlines()
     head = next(i for i, line in enumerate(lines) if line.split()[:1] == ["Step"])
     last = next(i for i, line in enumerate(lines) if line.startswith("Loop time")) - 1
-    return float(seconds), int(steps), parts, dict(zip(lines[head].split(), map(float, lines[last].split())))
+    row = dict(zip(lines[head].split(), map(float, lines[last].split())))
+    return float(seconds), int(steps), parts, row
 
 
 def report(ranks, log, memory):
@@ -57,11 +58,12 @@ def report(ranks, log, memory):
     sums = parts.get("Modify", 0.0) - sum(friction.values())
     shares = {"contact": parts.get("Pair", 0.0), "cortex and bending": parts.get("Bond", 0.0),
               **friction, "cell sums, faces, other fixes": sums,
-              "neighbor lists": parts.get("Neigh", 0.0), "messages of LAMMPS": parts.get("Comm", 0.0)}
+              "neighbor lists": parts.get("Neigh", 0.0),
+              "messages of LAMMPS": parts.get("Comm", 0.0)}
     print(f"\n{ranks} rank{'s' if ranks > 1 else ''}: {steps} steps in {seconds:.2f} s, "
           f"{1e3 * seconds / steps:.1f} ms a step, {speed:.3g} node-steps/s")
-    print(f"  {nodes} moving nodes and spheres, {spheres} spheres in all, {row[CONTACTS]:.0f} contacts, "
-          f"mean DCM pressure {row[PRESSURE]:.3f}")
+    print(f"  {nodes} moving nodes and spheres, {spheres} spheres in all, "
+          f"{row[CONTACTS]:.0f} contacts, mean DCM pressure {row[PRESSURE]:.3f}")
     print(f"  CG iterations a step: {row[ITERATIONS]:.1f}; "
           f"memory: {memory / nodes / 1024:.1f} KiB per node on the largest rank")
     for name, value in shares.items():
@@ -82,7 +84,8 @@ def main():
             if item.is_file():
                 shutil.copy(item, folder)
         for ranks in (1, 2):
-            print(f"running {options.warm} + {options.steps} steps on {ranks} rank(s) ...", flush=True)
+            print(f"running {options.warm} + {options.steps} steps on {ranks} rank(s) ...",
+                  flush=True)
             speeds.append(report(ranks, *run_lammps(ranks, options, folder)))
     print(f"\n2 ranks over 1: {speeds[1] / speeds[0]:.2f}")
     print(f"node_steps_per_second: {speeds[1]:.4g}")

@@ -238,10 +238,12 @@ def record(options):
     recorded = json.loads(book.read_text()) if book.exists() else {"decks": {}}
     known = sorted(set(names) & set(recorded["decks"]))
     if known:
-        sys.exit(f"same-logs: {options.folder} holds {' '.join(known)} already; choose a new folder")
+        sys.exit(f"same-logs: {options.folder} holds {' '.join(known)} already; choose a new "
+                 "folder")
     path, checksum = plugin()
     if recorded.get("checksum", checksum) != checksum:
-        sys.exit(f"same-logs: {options.folder} was recorded with another plugin, {recorded['plugin']}")
+        sys.exit(f"same-logs: {options.folder} was recorded with another plugin, "
+                 f"{recorded['plugin']}")
     for name in names:
         shutil.rmtree(options.folder / "decks" / name, ignore_errors=True)  # of a failed attempt
         prepare(decks[name], options.folder / "decks" / name)

@@ -14,7 +14,7 @@ def lines_of_error(result):
 
 def fails(lmp, deck, *patterns, run=True, files=None, **options):
     """Run a deck that must end in exactly one error with all patterns in its message."""
-    files = {**{name: KEEP for name in GUARDED}, **(files or {})}
+    files = {**dict.fromkeys(GUARDED, KEEP), **(files or {})}
     tail = RUN if run is True else (run or "")
     result = lmp.run(deck + tail + TAIL, files=files, timeout=60, **options)
     assert result.returncode != 0, "no error:\n" + result.tail()

@@ -1,4 +1,4 @@
-"""Meshes with known closed forms, for the tests of the Python package."""
+"""Meshes, made without the package under test."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ def icosphere(level):
     for _ in range(level):
         middle, finer = {}, []
 
-        def mid(a, b):
+        def mid(a, b, middle=middle):
             key = min(a, b), max(a, b)
             if key not in middle:
                 p = nodes[a] + nodes[b]
@@ -28,3 +28,11 @@ def icosphere(level):
             finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
         faces = finer
     return np.array(nodes), np.array(faces)
+
+
+def off(nodes, faces):
+    """Text of an OFF file."""
+    lines = ["OFF", f"{len(nodes)} {len(faces)} 0"]
+    lines += [" ".join(f"{x:.17g}" for x in node) for node in nodes]
+    lines += ["3 " + " ".join(map(str, face)) for face in faces]
+    return "\n".join(lines) + "\n"

@@ -3,33 +3,6 @@ test_population.py, test_death.py, test_convert.py."""
 
 import numpy as np
 
-# spheres without adhesion, moduli that do not change with compression
-PLAIN = "plain.dcm"
-PLAIN_TEXT = """\
-celltype hepatoblast
-  E_cor 5.0
-  h_cor 0.5
-  nu_cor 0.5
-  gamma 4.0
-  K_V 2.5
-  E_contact 5.0
-  nu_contact 0.4
-  friction_normal 50.0
-  friction_tangential 50.0
-  friction_ecm 1.0
-celltype hepatoblast_cbm
-  K_V 2.5
-  E_contact 0.45
-  nu_contact 0.4
-  friction_normal 1.0
-  friction_tangential 1.0
-  friction_ecm 0.1
-adhesion hepatoblast hepatoblast 0.0
-adhesion hepatoblast hepatoblast_cbm 0.0
-adhesion hepatoblast_cbm hepatoblast_cbm 0.0
-"""
-FILES = {PLAIN: PLAIN_TEXT}
-
 
 def sphere(radius):
     return 4.0 / 3.0 * np.pi * np.asarray(radius) ** 3
