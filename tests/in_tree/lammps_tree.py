@@ -50,6 +50,21 @@ def settings():
     return [w for w in words if w.startswith(("-DLAMMPS_", "-DLMP_"))]
 
 
+def objects(folder):
+    """Folder of links to the objects of that LAMMPS that any build with its settings may use.
+
+    Not those that were compiled with the list of styles.
+    """
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    build = lammps_source().parent / "build"
+    for depends in (build / "CMakeFiles" / "lammps.dir").rglob("*.cpp.o.d"):
+        if f"{build}/styles/" not in depends.read_text():
+            name = depends.name.removesuffix(".cpp.o.d") + ".o"
+            (folder / name).symlink_to(depends.with_suffix(""))
+    return folder
+
+
 # --- trees ----------------------------------------------------------------------------------------
 
 
@@ -69,40 +84,43 @@ def plant(tree):
 
 def install(tree, *options):
     """tools/install-in-tree, whether it works or not."""
-    return subprocess.run([INSTALL, tree, *options], capture_output=True, text=True)
+    return subprocess.run([INSTALL, tree, *options], check=False, capture_output=True, text=True)
 
 
 # --- builds ---------------------------------------------------------------------------------------
 
 
-class Log:
-    """Runs the steps of a build; shows the end of their output if one fails."""
+class Steps:
+    """Runs the steps of a build in its folder; shows the end of their output if one fails."""
 
-    def __init__(self, path):
-        self.path = path
-        path.write_text("")
-
-    def __call__(self, *command, cwd=None):
-        env = {
+    def __init__(self, folder):
+        self.log = folder / "build.log"
+        self.log.write_text("")
+        self.env = {
             **os.environ,
-            "IN_TREE_REFERENCE": str(lammps_source().parent / "build"),
+            "IN_TREE_OBJECTS": str(objects(folder / "objects")),
+            "IN_TREE_SETTINGS": " ".join(settings()),
             "IN_TREE_LAUNCHER": os.environ.get("CMAKE_CXX_COMPILER_LAUNCHER", ""),
         }
-        with open(self.path, "a") as out:
+
+    def __call__(self, *command, cwd=None):
+        with open(self.log, "a") as out:
             print("+", *command, file=out, flush=True)
-            done = subprocess.run(command, cwd=cwd, stdout=out, stderr=subprocess.STDOUT, env=env)
+            done = subprocess.run(
+                command, cwd=cwd, env=self.env, check=False, stdout=out, stderr=subprocess.STDOUT
+            )
         if done.returncode != 0:
-            end = "\n".join(self.path.read_text().splitlines()[-30:])
-            pytest.fail(f"the in-tree build failed, end of {self.path}:\n{end}", pytrace=False)
+            end = "\n".join(self.log.read_text().splitlines()[-30:])
+            pytest.fail(f"the in-tree build failed, end of {self.log}:\n{end}", pytrace=False)
 
 
 def prepare(way):
-    """Folder, tree and log of one way to build, with the package in the tree."""
+    """Folder and tree of one way to build, with the package in the tree, and its steps."""
     folder = BUILD / "in_tree" / way
     plant(folder / "lammps")
     done = install(folder / "lammps")
     assert done.returncode == 0, done.stderr
-    return folder, folder / "lammps", Log(folder / "build.log")
+    return folder, folder / "lammps", Steps(folder)
 
 
 def build_cmake():

@@ -40,7 +40,7 @@ class Runner:
         for variable, value in (variables or {}).items():
             command += ["-var", variable, str(value)]
         done = subprocess.run(
-            command, cwd=path, env=env, capture_output=True, text=True, timeout=300
+            command, cwd=path, env=env, check=False, capture_output=True, text=True, timeout=300
         )
         out = done.stdout + done.stderr
         assert done.returncode == 0, f"{' '.join(command)} in {path}\n{out}"
@@ -112,9 +112,7 @@ def test_plugin_beside_the_built_in_package_is_refused(in_tree, reference, how):
     folder, out = in_tree(deck, plugin=how == "path", variables=variables, name=how)
     assert out.count(BUILT_IN) == 1
     assert "style plugin dcm" not in out
-    assert (folder / "end.dump").read_text() == (
-        reference("single", 1) / "end.dump"
-    ).read_text()
+    assert (folder / "end.dump").read_text() == (reference("single", 1) / "end.dump").read_text()
 
 
 CELL = """\
