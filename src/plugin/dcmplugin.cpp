@@ -75,11 +75,21 @@ class Registry {
   lammpsplugin_t plugin;
 };
 
-// LAMMPS has no stable binary interface: only the C library functions may be called before it is
-// sure that the host is the LAMMPS this file was compiled for
+// whether this host may have the plugin's styles: it must not have them already, and LAMMPS has no
+// stable binary interface, so that only C library functions may be called before it is sure that
+// the host is the LAMMPS this file was compiled for
 
-bool matches(void *lmp)
+bool may_load(void *lmp)
 {
+  const bool speaks = lammps_extract_setting(lmp, "world_rank") == 0;
+  if (lammps_config_has_package("DCM")) {
+    if (speaks)
+      fprintf(stderr,
+              "WARNING: plugin dcmplugin.so not loaded: this LAMMPS has the package DCM built in, "
+              "and its styles are used\n");
+    return false;
+  }
+
   const struct {
     const char *name;
     int size;
@@ -99,7 +109,7 @@ bool matches(void *lmp)
                 std::to_string(lammps_extract_setting(lmp, type.name) * 8);
   if (problem.empty()) return true;
 
-  if (lammps_extract_setting(lmp, "world_rank") == 0)
+  if (speaks)
     fprintf(stderr,
             "ERROR: plugin dcmplugin.so not loaded: %s. Rebuild the plugin with "
             "cmake -D LAMMPS_SOURCE_DIR=<the src folder of this LAMMPS> -D LAMMPS_SIZES=...\n",
@@ -112,7 +122,7 @@ bool matches(void *lmp)
 extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle,
                                                                          void *regfunc)
 {
-  if (!matches(lmp)) return;
+  if (!may_load(lmp)) return;
   Registry registry(lmp, handle, regfunc);
 
 #define BOND_CLASS
