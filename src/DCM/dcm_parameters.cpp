@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 using namespace LAMMPS_NS;
 
@@ -116,11 +117,13 @@ void DCMParameters::resolve()
 
 void DCMParameters::unknown_type(const std::string &name) const
 {
-  std::string known;
-  for (const auto &t : types) known += " " + t.first;
-  error->all(FLERR, "{}: unknown cell type {}; {} has:{}", asking, name,
+  std::set<std::string> known;
+  if (file.empty()) known.insert(names.begin(), names.end());
+  for (const auto &type : types) known.insert(type.first);
+  known.erase("");    // NULL
+  error->all(FLERR, "{}: unknown cell type {}; {} has: {}", asking, name,
              file.empty() ? std::string("fix dcm/cell") : "parameter file " + file,
-             file.empty() ? " " + utils::join_words(names, " ") : known);
+             utils::join_words({known.begin(), known.end()}, " "));
 }
 
 /* ----------------------------------------------------------------------

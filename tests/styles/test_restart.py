@@ -199,3 +199,31 @@ def test_growth_beyond_the_promise(lmp, scenes):
     deck = head + spheres_that_grow(scene, scenes, "") + "run 2\nset group balls diameter 11\n"
     result = lmp(deck + "run 2\n")
     assert "atom type 4 up to 5.5, neighbor list laid out for 5.5 (before 5)" in result.log
+
+
+# --- the form of the coefficients in a restart file -------------------------------------------------
+
+COEFS = b"DCMC" + (1).to_bytes(4, "little")  # what a section of coefficients begins with
+OTHER = {
+    "later": b"DCMC" + (2).to_bytes(4, "little"),
+    "without a version": b"",
+    "of another package": b"\0" * 8,
+}
+
+
+@pytest.mark.parametrize("form", OTHER)
+@pytest.mark.parametrize("style", ["Bond style dcm/cortex", "Dihedral style dcm/bend"])
+def test_other_form_of_coefficients(lmp, scenes, style, form):
+    """A restart file whose coefficients have another form is refused, not read as garbage."""
+    scene = scenes.single_cell()
+    deck = scene.head() + scene.cortex() + "comm_modify cutoff 14\nfix cell all dcm/cell\n"
+    whole = lmp(deck + scene.volume() + "run 0\nwrite_restart x.restart\n")
+    parts = (whole.path / "x.restart").read_bytes().split(COEFS)
+    assert len(parts) == 3, "one section of bonds and one of dihedrals"
+    glue = [OTHER[form], COEFS] if style.startswith("Bond") else [COEFS, OTHER[form]]
+    path = whole.path / "other.restart"
+    path.write_bytes(parts[0] + glue[0] + parts[1] + glue[1] + parts[2])
+    result = lmp.run("read_restart other.restart\n", files={"other.restart": path})
+    assert result.returncode != 0, result.tail()
+    assert f"{style}: the restart file holds coefficients in" in result.error, result.tail()
+    assert "reads version 1; continue with the version" in result.error.replace("\n", " ")
