@@ -107,7 +107,7 @@ double ComputeDCMFace::face_value(int f, int value) const
     case NX:
     case NY:
     case NZ:
-      return cell->normal[3 * (size_t) f + value - NX];
+      return cell->normals()[3 * (size_t) f + value - NX];
     default:
       return dcm->region[face.atom];
   }

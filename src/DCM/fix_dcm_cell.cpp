@@ -254,7 +254,7 @@ void FixDCMCell::build_faces()
     faces.push_back(face);
   }
   if (atom->nghost == 0) nowned = (int) faces.size();
-  normal.assign(3 * faces.size(), 0.0);
+  has_normals = false;
   area.assign(faces.size(), 0.0);
 }
 
@@ -285,16 +285,29 @@ void FixDCMCell::move_faces()
 
 void FixDCMCell::measure_faces()
 {
+  has_normals = false;
   double **x = atom->x;
   for (size_t f = 0; f < faces.size(); f++) {
     const Face &face = faces[f];
     if (face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0) continue;
     const Vec3 a = vec(x[face.v[0]]), b = vec(x[face.v[1]]), c = vec(x[face.v[2]]);
-    const Vec3 s = dcm::face_area_vector(a, b, c);
-    area[f] = s.norm();
-    vec(&normal[3 * f]) = area[f] > 0.0 ? Vec3(s / area[f]) : Vec3(Vec3::Zero());
+    area[f] = dcm::face_area_vector(a, b, c).norm();
     vec(x[face.atom]) = (a + b + c) / 3.0;
   }
+}
+
+const double *FixDCMCell::normals()
+{
+  if (has_normals) return normal.data();
+  double **x = atom->x;
+  normal.assign(3 * faces.size(), 0.0);
+  for (size_t f = 0; f < faces.size(); f++) {
+    const int *v = faces[f].v;
+    if (v[0] < 0 || v[1] < 0 || v[2] < 0 || !(area[f] > 0.0)) continue;
+    vec(&normal[3 * f]) = dcm::face_area_vector(vec(x[v[0]]), vec(x[v[1]]), vec(x[v[2]])) / area[f];
+  }
+  has_normals = true;
+  return normal.data();
 }
 
 /* ----------------------------------------------------------------------

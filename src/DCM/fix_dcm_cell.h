@@ -24,11 +24,11 @@ FixStyle(dcm/cell,FixDCMCell);
 namespace LAMMPS_NS {
 
 // Owner of what several styles need of the deformable cells: who belongs to which cell, the faces
-// with their vertices, normals and areas, the sums over each cell, and on request the curvature.
+// with their vertices and areas, the sums over each cell, and on request normals and curvature.
 // Exactly one per deck; the other styles find it with FixDCMCell::require().
 //
 // valid from pre_neighbor (each rebuild) on:   faces, face_of, cell_of, cells (membership)
-// valid from pre_force (each step) on:         normal, area, cells (volume, area, x), curvature
+// valid from pre_force (each step) on:         area, normals(), cells (volume, area, x), curvature
 
 class FixDCMCell : public Fix {
  public:
@@ -54,7 +54,6 @@ class FixDCMCell : public Fix {
   std::vector<int> face_of;    // per owned + ghost atom: index into faces, -1: no face
   std::vector<int> cell_of;    // per owned + ghost atom: index into cells, -1: none
   std::vector<Cell> cells;
-  std::vector<double> normal;       // per face 3: outward unit normal (0 for a degenerate face)
   std::vector<double> area;         // per face
   std::vector<double> curvature;    // per atom: signed scalar 2H of nodes, if requested
 
@@ -69,6 +68,9 @@ class FixDCMCell : public Fix {
   // what other styles ask for in their init()
   void request_curvature() { want_curvature = true; }
   void set_contact_range(double range) { contact_range = range; }
+
+  // per face 3: outward unit normal (0 for a degenerate face); computed when first called in a step
+  const double *normals();
 
   // index into cells of a molecule ID, -1: not a deformable cell
   int find_cell(tagint molecule) const;
@@ -109,6 +111,8 @@ class FixDCMCell : public Fix {
   double contact_range = 0.0, edge_mean = 0.0;
   std::vector<double> node_sums;    // per atom 7: Laplace vector, normal, mixed Voronoi area
   std::vector<double> cell_sums;
+  std::vector<double> normal;    // of the faces as they were when has_normals was set
+  bool has_normals = false;
   std::vector<int> image_kind;
   std::vector<double> image_values;
   std::vector<double *> image_rows;

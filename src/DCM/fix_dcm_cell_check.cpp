@@ -17,6 +17,7 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "law/vector.h"
+#include "law/volume.h"
 #include "domain.h"
 #include "error.h"
 #include "neighbor.h"
@@ -62,7 +63,8 @@ void FixDCMCell::check_surfaces()
   for (int f = 0; f < nowned; f++) {
     const Face &face = faces[f];
     const Cell &cell = cells[face.cell];
-    vec(&sums[4 * face.cell]) += area[f] * vec(&normal[3 * f]);
+    vec(&sums[4 * face.cell]) +=
+        dcm::face_area_vector(vec(x[face.v[0]]), vec(x[face.v[1]]), vec(x[face.v[2]]));
     const double relative = area[f] * cell.nfaces / cell.area;
     if (relative < smallest[0]) {
       smallest[0] = relative;
