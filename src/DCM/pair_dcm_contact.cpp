@@ -84,9 +84,11 @@ void PairDCMContact::compute(int eflag, int vflag)
   if (fix_cell) {
     make_faces();
     if (set.law == DMT)
-      dispatch_points<dcm::DmtState>();
+      compute_cells<dcm::DmtState, false>();
+    else if (set.history)
+      compute_cells<dcm::MaugisState, true>();
     else
-      dispatch_points<dcm::MaugisState>();
+      compute_cells<dcm::MaugisState, false>();
   }
   if (!sphere_pairs.empty() || any_apparent) {
     if (any_apparent) compute_moduli();
@@ -209,32 +211,14 @@ void PairDCMContact::find_candidates()
 }
 
 /* ----------------------------------------------------------------------
-   law, number of points and memory are fixed before the loops
+   contacts of deformable cells; the law, and whether it remembers who has touched, are fixed
+   before the loops
 ------------------------------------------------------------------------- */
 
-template <class State> void PairDCMContact::dispatch_points()
+template <class State, bool HISTORY> void PairDCMContact::compute_cells()
 {
-  switch (set.points) {
-    case 1:
-      return dispatch_history<State, 1>();
-    case 2:
-      return dispatch_history<State, 2>();
-    case 3:
-      return dispatch_history<State, 3>();
-    default:
-      return dispatch_history<State, 4>();
-  }
-}
-
-template <class State, int POINTS> void PairDCMContact::dispatch_history()
-{
-  if (use_history && set.history) {
-    compute_faces<State, POINTS, true>();
-    compute_mixed<State, POINTS, true>();
-  } else {
-    compute_faces<State, POINTS, false>();
-    compute_mixed<State, POINTS, false>();
-  }
+  compute_faces<State, HISTORY>();
+  compute_mixed<State, HISTORY>();
 }
 
 /* ----------------------------------------------------------------------
@@ -272,7 +256,7 @@ static inline bool covers(const dcm::FaceGeometry &face, const Vec3 &point, cons
 
 /* ---------------------------------------------------------------------- */
 
-template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_faces()
+template <class State, bool HISTORY> void PairDCMContact::compute_faces()
 {
   const auto &faces = fix_cell->faces();
   double *const *const force_of = atom->f;
@@ -297,7 +281,7 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
     const double bound = f.reach + g.reach + range_used;
     const dcm::ContactMaterial &mat = table[face_class[fi] * nclass + face_class[gi]];
     if (!(apart.squaredNorm() < bound * bound) || (!HISTORY && separated(f, g, apart)) ||
-        !dcm::face_face<State>(f, g, mat, POINTS, r, HISTORY && *face_touch[n])) {
+        !dcm::face_face<State>(f, g, mat, set.points, r, HISTORY && *face_touch[n])) {
       if (HISTORY) *face_touch[n] = 0;
       continue;
     }
@@ -345,7 +329,7 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_fa
    a deformable cell's face against a center-based cell
 ------------------------------------------------------------------------- */
 
-template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mixed()
+template <class State, bool HISTORY> void PairDCMContact::compute_mixed()
 {
   const auto &faces = fix_cell->faces();
   double *const *const force_of = atom->f;
@@ -362,7 +346,7 @@ template <class State, int POINTS, bool HISTORY> void PairDCMContact::compute_mi
     const dcm::ContactMaterial &mat =
         table[face_class[fi] * nclass + NREGION * (atom->type[j] - 1)];
     if (!(apart.squaredNorm() < bound * bound) ||
-        !dcm::face_sphere<State>(f, vec(x[j]), radius, mat, POINTS, r,
+        !dcm::face_sphere<State>(f, vec(x[j]), radius, mat, set.points, r,
                                  HISTORY && *mixed_touch[n])) {
       if (HISTORY) *mixed_touch[n] = 0;
       if (apart.squaredNorm() < 0.25 * radius * radius && f.n.dot(apart) <= 0.0)

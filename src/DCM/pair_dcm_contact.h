@@ -18,7 +18,7 @@ PairStyle(dcm/contact,PairDCMContact);
 #define LMP_PAIR_DCM_CONTACT_H
 
 #include "law/contact.h"
-#include "law/friction.h"
+#include "law/friction_blocks.h"
 #include "dcm_parameters.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
@@ -226,10 +226,9 @@ class PairDCMContact : public Pair, public DCMRole {
   void check_radii();
   void make_faces();
   void find_candidates();
-  template <class State> void dispatch_points();
-  template <class State, int POINTS> void dispatch_history();
-  template <class State, int POINTS, bool HISTORY> void compute_faces();
-  template <class State, int POINTS, bool HISTORY> void compute_mixed();
+  template <class State, bool HISTORY> void compute_cells();
+  template <class State, bool HISTORY> void compute_faces();
+  template <class State, bool HISTORY> void compute_mixed();
   void compute_moduli();
   template <bool SISTERS> void compute_spheres(int);
   int find_sisters(tagint, tagint) const;

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <random>
 
 using dcm::ContactBlock;
@@ -277,6 +278,161 @@ TEST(FrictionBlocks, InverseOfDiagonalBlock)
   EXPECT_FALSE(dcm::invert_symmetric(zero, inv));
   EXPECT_TRUE(dcm::invert_symmetric(planar, inv));
   EXPECT_FALSE(dcm::invert_symmetric(nan, inv));
+}
+
+/* ----------------------------------------------------------------------
+   a system that has been merged before is, to the last bit, what a new one would be
+------------------------------------------------------------------------- */
+
+namespace {
+
+FrictionSystem fresh(const FrictionSystem &system)
+{
+  FrictionSystem copy;
+  copy.nowned = system.nowned;
+  copy.nall = system.nall;
+  copy.ecm = system.ecm;
+  copy.iso_edges = system.iso_edges;
+  copy.edges = system.edges;
+  copy.contacts = system.contacts;
+  copy.merge();
+  return copy;
+}
+
+bool same_bits(const VectorXd &a, const VectorXd &b)
+{
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+}
+
+void expect_as_fresh(FrictionSystem &system, Random &random)
+{
+  system.merge();
+  const FrictionSystem other = fresh(system);
+  EXPECT_EQ(system.diagonal, other.diagonal);
+  const VectorXd p = with_fixed(random_vector(random, 3 * system.nall));
+  VectorXd y = VectorXd::Zero(p.size()), z = y;
+  EXPECT_EQ(system.apply(p.data(), y.data()), other.apply(p.data(), z.data()));
+  EXPECT_TRUE(same_bits(y, z));
+  EXPECT_GT(y.norm(), 0.0);
+}
+
+}    // namespace
+
+class Merge : public ::testing::Test {
+ protected:
+  Random random{11};
+  FrictionSystem system = random_system(random, 60, true);
+  std::vector<ContactBlock> &contacts = system.contacts;
+
+  void expect_as_new()
+  {
+    expect_as_fresh(system, random);
+    expect_as_fresh(system, random);    // and again, with nothing changed but the values
+    for (auto &b : contacts) b.tangential *= random.uniform(0.5, 2.0);
+    for (auto &b : system.edges) b.iso *= random.uniform(0.5, 2.0);
+    for (auto &b : system.iso_edges) b.iso *= random.uniform(0.5, 2.0);
+    expect_as_fresh(system, random);
+  }
+  ContactBlock another() { return random_contact(random, system.nall + 1); }
+};
+
+TEST_F(Merge, TheSameBlocks)
+{
+  expect_as_new();
+}
+
+TEST_F(Merge, BlocksGone)
+{
+  for (int where : {0, 60, 70}) {
+    contacts.erase(contacts.begin() + where, contacts.begin() + where + 3);
+    expect_as_new();
+    contacts.erase(contacts.begin() + where, contacts.begin() + where + 50);
+    expect_as_new();
+  }
+  contacts.pop_back();
+  expect_as_new();
+  contacts.clear();
+  expect_as_new();
+  system.edges.clear();
+  expect_as_new();
+  system.iso_edges.clear();
+  system.merge();
+  EXPECT_EQ(system.diagonal, fresh(system).diagonal);
+}
+
+TEST_F(Merge, BlocksAdded)
+{
+  for (int where : {0, 120, (int) contacts.size()}) {
+    contacts.insert(contacts.begin() + where, another());
+    expect_as_new();
+    for (int k = 0; k < 30; k++) contacts.insert(contacts.begin() + where, another());
+    expect_as_new();
+  }
+  system.edges.insert(system.edges.begin() + 2, {1, 7, 0.3, 0.0, {1.0, 0.0, 0.0}});
+  expect_as_new();
+  system.iso_edges.push_back({3, 60, 2.0});
+  expect_as_new();
+}
+
+TEST_F(Merge, BlocksInAnotherOrder)
+{
+  std::swap(contacts[10], contacts[200]);
+  expect_as_new();
+  std::reverse(contacts.begin() + 5, contacts.begin() + 30);
+  expect_as_new();
+  std::reverse(contacts.begin(), contacts.end());
+  expect_as_new();
+  std::swap(system.iso_edges.front(), system.iso_edges.back());
+  expect_as_new();
+}
+
+TEST_F(Merge, WeightsAndCoefficientsThatVanishAndComeBack)
+{
+  const ContactBlock before = contacts[40];
+  for (int k = 0; k < 6; k++) {
+    contacts[40].w[k] = 0.0;
+    expect_as_new();
+  }
+  contacts[40] = before;
+  expect_as_new();
+  std::swap(contacts[40].n[1], contacts[40].n[4]);
+  expect_as_new();
+  contacts[41].tangential = 0.0;
+  expect_as_new();
+  system.edges[3].iso = 0.0;
+  expect_as_new();
+  system.edges[3].iso = 1.0;
+  expect_as_new();
+}
+
+TEST_F(Merge, MoreSlotsFewerSlotsOtherNumbers)
+{
+  system.nall += 5;    // ghosts that a contact has asked for
+  system.ecm.resize(system.nall + 1, 0.0);
+  expect_as_new();
+  contacts[7].n[2] = system.nall;
+  expect_as_new();
+  for (auto &b : contacts)
+    for (int &n : b.n) n = n > 0 ? system.nall + 1 - n : 0;
+  expect_as_new();
+  const FrictionSystem small = random_system(random, 8, true);
+  system.nowned = system.nall = small.nall;
+  system.ecm = small.ecm;
+  system.iso_edges = small.iso_edges;
+  system.edges = small.edges;
+  contacts = small.contacts;
+  expect_as_new();
+}
+
+TEST_F(Merge, ManyStepsOfComingAndGoing)
+{
+  for (int step = 0; step < 300; step++) {
+    for (int k = random.index(4); k > 0 && contacts.size() > 50; k--)
+      contacts.erase(contacts.begin() + random.index((int) contacts.size()));
+    for (int k = random.index(4); k > 0; k--)
+      contacts.insert(contacts.begin() + random.index((int) contacts.size()), another());
+    expect_as_fresh(system, random);
+  }
 }
 
 /* ---------------------------------------------------------------------- */

@@ -141,7 +141,7 @@ template <class Communicator> class FrictionSolver {
 
     if (by_scalar) {
       // without friction along directions, blocks and diagonal are the same
-      scalar.assign(system.diagonal.begin(), system.diagonal.end());
+      scalar = system.diagonal();
       comm.reverse(scalar.data(), 1, 1);
       for (int i = 1; i <= system.nowned; i++) {
         if (scalar[i] == 0.0 && zero < 0 && directed == 0.0) zero = i;
