@@ -1,10 +1,12 @@
-# Shared by tools/run, tools/test and tools/bench: install what is missing, build LAMMPS once per
+# Shared by the commands in tools: install what is missing, build LAMMPS once per
 # version into the user's cache folder, build the plugin, prepare the Python environment.
 # Every function can be called any number of times and does nothing when its work is done.
 
 DCM_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 DCM_CACHE=${XDG_CACHE_HOME:-$HOME/.cache}/lammps-dcm
-DCM_BUILD=${DCM_BUILD_DIR:-$DCM_ROOT/build}
+# a preset of CMakePresets.json; without one, the build that tools/run and tools/test share
+DCM_PRESET=${DCM_PRESET:-}
+DCM_BUILD=${DCM_BUILD_DIR:-$DCM_ROOT/build${DCM_PRESET:+-$DCM_PRESET}}
 DCM_JOBS=${DCM_JOBS:-$(nproc)}
 
 LAMMPS_PACKAGE=lammps
@@ -67,8 +69,10 @@ download_lammps() {
   then
     return 0
   fi
-  mirror=$(apt-get indextargets --format '$(REPO_URI)' 2>/dev/null | grep -v security | sort -u | head -n 1)
-  [ -n "$mirror" ] || die "apt knows no mirror; run apt-get update, or pass your own LAMMPS to cmake"
+  mirror=$(apt-get indextargets --format '$(REPO_URI)' 2>/dev/null | grep -v security | sort -u |
+    head -n 1)
+  [ -n "$mirror" ] ||
+    die "apt knows no mirror; run apt-get update, or pass your own LAMMPS to cmake"
   mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial"
   printf 'deb-src %s %s main\n' "$mirror" "$LAMMPS_SUITE" >"$apt/sources.list"
   : >"$apt/status"
@@ -112,7 +116,8 @@ build_lammps() {
   local pid=$! last="" now
   while kill -0 $pid 2>/dev/null; do
     sleep 2
-    now=$(grep -oE '^\[ *[0-9]+%\]' "$LAMMPS_HOME/build.log" 2>/dev/null | tail -n 1 | tr -dc 0-9 || true)
+    now=$(grep -oE '^\[ *[0-9]+%\]' "$LAMMPS_HOME/build.log" 2>/dev/null | tail -n 1 |
+      tr -dc 0-9 || true)
     if [ -n "$now" ] && [ "${now%?}" != "${last%?}" ]; then say "  LAMMPS $now %"; last=$now; fi
   done
   wait $pid || { tail -n 20 "$LAMMPS_HOME/build.log" >&2; die "LAMMPS did not build"; }
@@ -145,25 +150,53 @@ ensure_lammps() {
   DCM_LMP=$LAMMPS_HOME/build/lmp
 }
 
-# --- the plugin ---------------------------------------------------------------------------------
+# --- building -----------------------------------------------------------------------------------
 
-# $1: ON to build the unit tests as well
-ensure_plugin() {
-  local log=$DCM_BUILD/build.log
+# configure_build CMAKE_ARGUMENT...: what is built here runs here, hence DCM_NATIVE
+configure_build() {
+  local log=$DCM_BUILD/configure.log preset=()
   mkdir -p "$DCM_BUILD"
-  exec 8>"$DCM_BUILD/lock"
-  flock 8
-  {
-    cmake -S "$DCM_ROOT" -B "$DCM_BUILD" -D LAMMPS_SOURCE_DIR="$LAMMPS_SOURCE_DIR" \
-      -D LAMMPS_SIZES="${LAMMPS_SIZES:-SMALLBIG}" -D DCM_TESTS="${1:-OFF}"
-  } >"$log" 2>&1 || { tail -n 20 "$log" >&2; die "cmake failed; log: $log"; }
+  [ -z "$DCM_PRESET" ] || preset=(--preset "$DCM_PRESET")
+  (cd "$DCM_ROOT" && cmake "${preset[@]}" -B "$DCM_BUILD" -D DCM_NATIVE=ON \
+    -D DCM_WERROR="${DCM_WERROR:-OFF}" "$@") >"$log" 2>&1 ||
+    { tail -n 20 "$log" >&2; die "cmake failed; log: $log"; }
+}
+
+# build_targets WHAT TARGET...
+build_targets() {
+  local what=$1 log=$DCM_BUILD/build.log
+  shift
   # whether there is something to do shows when the first file is compiled or linked: asked before,
   # make always says yes (--question) or does not know of changed headers yet (--dry-run)
   local work='(Building|Linking) CXX'
-  cmake --build "$DCM_BUILD" --parallel "$DCM_JOBS" 2>&1 | tee -a "$log" |
-    { grep -m 1 -qE "$work" && say "building the plugin; log: $log"; cat >/dev/null; } ||
-    { grep -E 'error|Error' "$log" | head -n 20 >&2; die "the plugin did not build; log: $log"; }
-  grep -qE "$work" "$log" || say "the plugin is up to date"
+  cmake --build "$DCM_BUILD" --parallel "$DCM_JOBS" --target "$@" 2>&1 | tee "$log" |
+    { grep -m 1 -qE "$work" && say "building $what; log: $log"; cat >/dev/null; } ||
+    { grep -E 'error|Error' "$log" | head -n 20 >&2; die "$what: did not build; log: $log"; }
+  grep -qE "$work" "$log" || say "$what: up to date"
+  ! grep -q 'warning:' "$log" || say "WARNING: the compiler warned; log: $log"
+}
+
+# $1: ON to build the unit tests as well
+ensure_plugin() {
+  mkdir -p "$DCM_BUILD"
+  exec 8>"$DCM_BUILD/lock"
+  flock 8
+  configure_build -D DCM_PLUGIN=ON -D LAMMPS_SOURCE_DIR="$LAMMPS_SOURCE_DIR" \
+    -D LAMMPS_SIZES="${LAMMPS_SIZES:-SMALLBIG}" -D DCM_TESTS="${1:-OFF}"
+  build_targets "the plugin" all
+  exec 8>&-
+}
+
+# $@: programs of tests/unit, or dcm_unit_tests for all. They need no LAMMPS: a build folder that
+# has the plugin keeps it, a new one gets none.
+ensure_unit_tests() {
+  local plugin=()
+  mkdir -p "$DCM_BUILD"
+  exec 8>"$DCM_BUILD/lock"
+  flock 8
+  [ -f "$DCM_BUILD/CMakeCache.txt" ] || plugin=(-D DCM_PLUGIN=OFF)
+  configure_build "${plugin[@]}" -D DCM_TESTS=ON
+  build_targets "unit tests" "$@"
   exec 8>&-
 }
 
@@ -198,6 +231,14 @@ export_run_environment() {
   export LAMMPS_POTENTIALS=$DCM_ROOT/potentials
   export OMP_NUM_THREADS=1
   export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none
+  if [ "$DCM_PRESET" = asan ]; then
+    # the sanitizer must be loaded before an lmp that was not built with it; MPI leaks by itself
+    local lmp=$DCM_BUILD/lmp
+    printf '#!/bin/sh\nLD_PRELOAD=%s ASAN_OPTIONS=detect_leaks=0 exec %s "$@"\n' \
+      "$("${CXX:-c++}" -print-file-name=libasan.so)" "$DCM_LMP" >"$lmp"
+    chmod +x "$lmp"
+    DCM_LMP=$lmp
+  fi
   if [ "$(id -u)" -eq 0 ]; then
     export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
   fi

@@ -14,6 +14,13 @@
 #include <limits>
 #include <vector>
 
+// GCC 12 takes what its own AVX-512 intrinsics leave undefined on purpose for a use of an
+// uninitialized variable (GCC bug 105593), in every dot product below
+#if __GNUC__ == 12
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
 namespace dcm {
 
 /// Remembers the last steps and gradient changes of one minimization. The history may outlive a
@@ -116,5 +123,9 @@ class Lbfgs {
 };
 
 }    // namespace dcm
+
+#if __GNUC__ == 12
+#pragma GCC diagnostic pop
+#endif
 
 #endif
