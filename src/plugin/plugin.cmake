@@ -27,9 +27,8 @@ list(FIND months ${CMAKE_MATCH_2} month)
 math(EXPR lammps_version "${year} * 10000 + (${month} + 1) * 100 + ${day}")
 
 # the style headers, in the form LAMMPS' own style files have: the plugin registers what they name
-set(styles ${PROJECT_SOURCE_DIR}/src/DCM)
-file(GLOB DCM_SOURCES CONFIGURE_DEPENDS ${styles}/*.cpp)
-file(GLOB DCM_HEADERS CONFIGURE_DEPENDS RELATIVE ${styles} ${styles}/*.h)
+file(GLOB DCM_SOURCES CONFIGURE_DEPENDS src/DCM/*.cpp)
+file(GLOB DCM_HEADERS CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/src/DCM src/DCM/*.h)
 list(FILTER DCM_HEADERS INCLUDE REGEX "^(atom_vec|bond|dihedral|pair|fix|compute|create)_.*\\.h$")
 set(style_includes "")
 foreach(header IN LISTS DCM_HEADERS)
@@ -37,10 +36,9 @@ foreach(header IN LISTS DCM_HEADERS)
 endforeach()
 file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/dcm_style_headers.h CONTENT "${style_includes}")
 
-add_library(dcmplugin MODULE ${DCM_SOURCES} dcmplugin.cpp)
-set_target_properties(dcmplugin PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden
-  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
-target_include_directories(dcmplugin PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
+add_library(dcmplugin MODULE ${DCM_SOURCES} src/plugin/dcmplugin.cpp)
+set_target_properties(dcmplugin PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden)
+target_include_directories(dcmplugin PRIVATE src/DCM ${CMAKE_CURRENT_BINARY_DIR})
 target_include_directories(dcmplugin SYSTEM PRIVATE "${LAMMPS_SOURCE_DIR}")
 target_compile_definitions(dcmplugin PRIVATE LAMMPS_${LAMMPS_SIZES} LMP_PLUGIN OMPI_SKIP_MPICXX=1
   DCM_LAMMPS_VERSION=${lammps_version})
