@@ -29,7 +29,8 @@ def main():
             reason = found and fault(header, found[2], found[1] == '"')
             if reason:
                 faults.append(f"{header}:{number}: {found[2]}: {reason}")
-    print(*faults, sep="\n")
+    for text in faults:
+        print(text)
     sys.exit(1 if faults or not headers else 0)
 
 

@@ -39,7 +39,8 @@ def main():
     for path in DOC.glob("*_dcm_*.rst"):
         if path.stem not in pages:
             faults.append(f"{path}: no header in {CODE} has a style of this page")
-    print(*faults, sep="\n")
+    for fault in faults:
+        print(fault)
     sys.exit(1 if faults or not pages else 0)
 
 
