@@ -99,6 +99,11 @@ std::string ComputeDCMCell::known() const
   return names;
 }
 
+void ComputeDCMCell::unknown(const std::string &name) const
+{
+  error->all(FLERR, "{}: unknown value {}; known: {}", STYLE, name, known());
+}
+
 /* ----------------------------------------------------------------------
    ask for what others record on request only
 ------------------------------------------------------------------------- */
@@ -111,9 +116,11 @@ void ComputeDCMCell::init()
     if (dcm->kind[i] == AtomVecDCM::CENTER) any = 1;
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
   bool from_table = false;
-  for (const auto &column : columns)
+  for (const auto &column : columns) {
+    if (!column.value && !FixDCMCell::find(lmp)) unknown(column.name);
     if (!column.value || std::find(OF_TABLE.begin(), OF_TABLE.end(), column.name) != OF_TABLE.end())
       from_table = true;
+  }
   cell = nullptr;
   if (any || from_table || FixDCMCell::find(lmp)) cell = FixDCMCell::require(lmp, STYLE);
   spheres = from_table ? cell->request_spheres() : DCMRequest<>();
@@ -138,8 +145,7 @@ void ComputeDCMCell::setup()
   for (auto &column : columns) {
     if (column.value) continue;
     column.table = cell->cells().column(column.name, column.field);
-    if (!column.table)
-      error->all(FLERR, "{}: unknown value {}; known: {}", STYLE, column.name, known());
+    if (!column.table) unknown(column.name);
   }
 }
 

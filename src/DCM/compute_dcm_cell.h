@@ -73,6 +73,7 @@ class ComputeDCMCell : public Compute {
   std::vector<std::pair<tagint, tagint>> in_contact;    // sorted; both orders of each pair
 
   std::string known() const;
+  [[noreturn]] void unknown(const std::string &) const;
   void check_current() const;
   void sum_cells();
   void gather_contacts();

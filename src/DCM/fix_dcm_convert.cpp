@@ -125,6 +125,8 @@ int FixDCMConvert::setmask()
 void FixDCMConvert::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  if (!cell->expects_deformable())
+    error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck", STYLE);
   spheres = cell->request_spheres();
   ratio = cell->change_cells().add(STYLE, "rest_ratio", DCMColumn::INHERIT, 1.0, {}, ratio);
   cell->refresh();

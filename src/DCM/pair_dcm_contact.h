@@ -25,6 +25,7 @@ PairStyle(dcm/contact,PairDCMContact);
 #include "pair.h"
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -146,6 +147,7 @@ class PairDCMContact : public Pair, public DCMRole {
   double guessed = 0.0;            // 1: h0, range derived before there was any mesh
   std::vector<double> laid_out;    // per type: TypeInfo::promise, 0: not yet
   bool warned_h0 = false;
+  std::vector<std::pair<int, int>> excluded_here;    // types kept apart by this style
 
   struct TypeInfo {
     bool used = false;       // has a cell type, not NULL
@@ -217,6 +219,7 @@ class PairDCMContact : public Pair, public DCMRole {
   void lay_out();
   void read_types();
   void exclude_types();
+  void allow_types(int, int);
   void set_cutoff();
   void setup_history();
 

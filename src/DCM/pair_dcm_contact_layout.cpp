@@ -198,6 +198,22 @@ std::vector<double *> PairDCMContact::kept()
 }
 
 /* ----------------------------------------------------------------------
+   take an exclusion back: LAMMPS only knows how to drop them all, those of the deck as well
+------------------------------------------------------------------------- */
+
+void PairDCMContact::allow_types(int s, int t)
+{
+  int n = 0;
+  for (int m = 0; m < neighbor->nex_type; m++) {
+    const int a = neighbor->ex1_type[m], b = neighbor->ex2_type[m];
+    if (std::min(a, b) == s && std::max(a, b) == t) continue;
+    neighbor->ex1_type[n] = a;
+    neighbor->ex2_type[n++] = b;
+  }
+  neighbor->nex_type = n;
+}
+
+/* ----------------------------------------------------------------------
    keep what never touches out of the neighbor list
 ------------------------------------------------------------------------- */
 
@@ -214,16 +230,28 @@ void PairDCMContact::exclude_types()
   std::vector<std::pair<int, int>> now;
   for (int n = 0; n < neighbor->nex_type; n++)
     now.emplace_back(std::minmax(neighbor->ex1_type[n], neighbor->ex2_type[n]));
+  excluded_here.erase(std::remove_if(excluded_here.begin(), excluded_here.end(),
+                                     [&now](const std::pair<int, int> &it) {
+                                       return std::find(now.begin(), now.end(), it) == now.end();
+                                     }),
+                      excluded_here.end());
   for (int s = 1; s <= atom->ntypes; s++)
     for (int t = s; t <= atom->ntypes; t++) {
       const bool excluded = std::find(now.begin(), now.end(), std::make_pair(s, t)) != now.end();
       const bool wanted = meets(types[s], types[t]);
-      if (excluded && wanted)
+      const auto mine = std::find(excluded_here.begin(), excluded_here.end(), std::make_pair(s, t));
+      if (excluded && wanted && mine != excluded_here.end()) {
+        allow_types(s, t);    // of an earlier run, before the type lost its atoms or took others
+        excluded_here.erase(mine);
+      } else if (excluded && wanted)
         error->all(FLERR,
                    "{}: types {} and {} are to interact but excluded from the neighbor list; add "
                    "'neigh_modify exclude none' before the run",
                    STYLE, s, t);
-      if (!excluded && !wanted) neighbor->modify_params(fmt::format("exclude type {} {}", s, t));
+      if (!excluded && !wanted) {
+        neighbor->modify_params(fmt::format("exclude type {} {}", s, t));
+        excluded_here.emplace_back(s, t);
+      }
     }
 
   bool molecules = false;
