@@ -9,6 +9,7 @@
 #define DCM_FRICTION_BLOCKS_H
 
 #include <cstddef>
+#include <initializer_list>
 
 namespace dcm {
 
