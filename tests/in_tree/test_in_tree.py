@@ -11,7 +11,7 @@ from lammps_tree import BUILD, ROOT, build_cmake, build_make
 
 # shipped decks in short: a cell under load; two cells and a sphere in contact
 DECKS = {
-    "single": ("examples/single/in.single", {"hold": 10, "image": "no"}),
+    "single": ("examples/single/in.single", {"hold": 2, "image": "no"}),
     "first_steps": ("doc/first_steps/in.first_steps", {"level": 1}),
 }
 
@@ -121,7 +121,7 @@ atom_style dcm
 newton on
 special_bonds lj/coul 1 1 1
 boundary p p p
-region box block -7 7 -7 7 -7 7
+region box block -13 13 -13 13 -13 13
 create_box 3 box bond/types 1 dihedral/types 1
 mass * 1.0
 create_cells single hepatoblast dcm 0 0 0 6.0 dcm hepatoblast 1 2 3 1 1 &
