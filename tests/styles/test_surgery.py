@@ -1,4 +1,4 @@
-"""Divisions every N steps; atom IDs of new cells, also where those of a data file are in disorder."""
+"""Divisions every N steps; atom IDs of new cells, also from a data file with IDs in disorder."""
 
 import re
 
@@ -78,7 +78,7 @@ def lowest(used, n):
 
 
 def disordered(lmp, scenes, order):
-    """Data file of three deformable cells and five spheres whose atom IDs `order` maps to others."""
+    """Data file of three deformable cells and five spheres; `order` gives their atom IDs."""
     scene = scenes.Scene((30.0, 15.0, 15.0), "f f f")
     for x in (-18.0, 0.0, 18.0):
         scene.dcm(x, 0.0, 0.0, 6.0)
@@ -196,7 +196,8 @@ def test_ids_of_many_deaths_and_divisions_on_ranks(lmp, scenes):
         + scene.volume()
         + growth(scene, "cycle_time 20 cycle_sd 4")
         + "fix division all dcm/division seed 4\n"
-        + "variable odd atom mol>8&&mol%3==0\nfix death all dcm/death variable v_odd log death.log\n"
+        + "variable odd atom mol>8&&mol%3==0\n"
+        + "fix death all dcm/death variable v_odd log death.log\n"
         + scene.motion(options="tolerance 1e-12")
         + "timestep 1.0\n"
         + scenes.dump("id mol type", 5)
