@@ -144,8 +144,9 @@ void ComputeDCMCell::setup()
 {
   for (auto &column : columns) {
     if (column.value) continue;
-    column.table = cell->cells().column(column.name, column.field);
-    if (!column.table) unknown(column.name);
+    const auto found = cell->cells().column(column.name, column.field);
+    column.table = found;
+    if (!found) unknown(column.name);
   }
 }
 
@@ -350,6 +351,16 @@ void ComputeDCMCell::compute_peratom()
       memory->create(array_atom, nmax, ncolumns, "dcm/cell:array_atom");
   }
 
+  std::vector<std::shared_ptr<const DCMColumn>> table(ncolumns);
+  for (int k = 0; k < ncolumns; k++) {
+    if (columns[k].value) continue;
+    table[k] = columns[k].table.lock();
+    if (!table[k])
+      error->all(FLERR,
+                 "{}: no style gives value {} yet, or any more; do a 'run 0' before using it",
+                 STYLE, columns[k].name);
+  }
+
   if (cell && (needs & (AREA | VELOCITY))) sum_cells();
   if (needs & NEIGHBORS) gather_contacts();
 
@@ -365,7 +376,7 @@ void ComputeDCMCell::compute_peratom()
       if (column.value)
         to[k] = (this->*(deformable ? column.value->deformable : column.value->sphere))(i, row);
       else if (row >= 0)
-        to[k] = (*column.table)(row, column.field);
+        to[k] = (*table[k])(row, column.field);
     }
   }
 }

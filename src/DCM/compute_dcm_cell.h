@@ -56,7 +56,7 @@ class ComputeDCMCell : public Compute {
   struct Column {    // of the output: one of VALUES or a number of a column of the table
     std::string name;
     const Value *value = nullptr;
-    std::shared_ptr<const DCMColumn> table;
+    std::weak_ptr<const DCMColumn> table;    // it goes with its style
     int field = 0;
   };
   std::vector<Column> columns;

@@ -51,9 +51,12 @@ FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg),
     types->parse_table(args, atom->ntypes);
   }
   if (igroup != 0) error->all(FLERR, "Fix dcm/cell must have group all, not {}", arg[1]);
-  if (find(lmp))
-    error->all(FLERR, "There is a fix dcm/cell already (ID {}); a deck has exactly one",
-               find(lmp)->id);
+  if (const auto *const other = find(lmp))
+    error->all(FLERR, "There is a fix dcm/cell already (ID {}{}); a deck has exactly one",
+               other->id,
+               other->by_deck
+                   ? ""
+                   : ", added for a style above; define yours before that style, or with this ID");
   comm_forward = 4;
   comm_reverse = NCURVATURE;
   restart_global = 1;

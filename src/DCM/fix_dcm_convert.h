@@ -44,7 +44,8 @@ class FixDCMConvert : public Fix, public DCMRole {
   void restart(char *) override;
   double compute_vector(int) override;
 
-  unsigned traits() const override { return MAKES_CELLS; }
+  // a deformable cell may be larger than all spheres so far
+  unsigned traits() const override { return MAKES_CELLS | GROWS_SPHERES; }
 
  private:
   using Cells = std::vector<DCMCellTable::CellAtom>;

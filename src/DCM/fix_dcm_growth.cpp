@@ -194,7 +194,7 @@ void FixDCMGrowth::enroll()
     const bool wanted = (it.mask & groupbit) && parameters->used(it.type);
     if (wanted == (mine.member > 0.0)) continue;
     mine = wanted ? newcomer(row) : Cycle();
-    if (!wanted) table.set_phase(row, DCMCellTable::QUIESCENT);
+    if (!wanted && it.phase != DCMCellTable::DYING) table.set_phase(row, DCMCellTable::QUIESCENT);
     cycles->store(row, mine);
   }
 }
@@ -237,6 +237,7 @@ void FixDCMGrowth::draw_cycle(int row, Cycle &mine)
       mean > 0.0
           ? dcm::cycle_time(mean, sd, dcm::Random(seed, it.molecule, 0, dcm::RandomPurpose::CYCLE))
           : 0.0;
+  if (it.phase == DCMCellTable::DYING) return;    // whoever makes it die goes on
   table.set_phase(row, mine.duration > 0.0 ? DCMCellTable::GROWING : DCMCellTable::QUIESCENT);
 }
 

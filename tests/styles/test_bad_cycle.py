@@ -99,7 +99,7 @@ CASES = {
     "convert level": (TYPES + "near all 1 2 mesh icosphere 9", "mesh is 9.*1 to 5"),
     "convert rest": (TYPES + "near all 1 2 rest 0", "Fix dcm/convert: rest is 0.*positive"),
     "convert every": (TYPES + "near all 1 2 every 0", "Fix dcm/convert: every is 0"),
-    # without the book of cells
+    # without growth
     "division alone": ("fix d all dcm/division seed 1",
                        "Fix dcm/division: nothing in the deck makes cells ready.*dcm/growth"),
 }  # fmt: skip
