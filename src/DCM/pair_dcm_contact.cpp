@@ -48,6 +48,20 @@ static constexpr double OPPOSED = -0.7;
 
 static constexpr size_t AHEAD = 4, FAR_AHEAD = 16;
 
+// the contact laws of keyword law: a new one is a header in law/ and a line here, at the end
+
+const PairDCMContact::Law PairDCMContact::LAWS[] = {
+    {"dmt", &PairDCMContact::compute_cells<dcm::DmtState, false>, nullptr},
+    {"maugis", &PairDCMContact::compute_cells<dcm::MaugisState, false>,
+     &PairDCMContact::compute_cells<dcm::MaugisState, true>}};
+
+std::vector<std::string> PairDCMContact::law_names()
+{
+  std::vector<std::string> names;
+  for (const auto &law : LAWS) names.emplace_back(law.name);
+  return names;
+}
+
 static inline void prefetch(const dcm::FaceGeometry *face)
 {
   const char *bytes = reinterpret_cast<const char *>(face);
@@ -83,12 +97,8 @@ void PairDCMContact::compute(int eflag, int vflag)
 
   if (fix_cell) {
     make_faces();
-    if (set.law == DMT)
-      compute_cells<dcm::DmtState, false>();
-    else if (set.history)
-      compute_cells<dcm::MaugisState, true>();
-    else
-      compute_cells<dcm::MaugisState, false>();
+    const Law &law = LAWS[set.law];
+    (this->*(set.history ? law.with_history : law.contacts))();
   }
   if (!sphere_pairs.empty() || any_apparent) {
     if (any_apparent) compute_moduli();

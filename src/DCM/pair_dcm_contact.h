@@ -122,7 +122,13 @@ class PairDCMContact : public Pair, public DCMRole {
   // cells grow
   static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
 
-  enum Law { DMT, MAUGIS };
+  struct Law {
+    const char *name;
+    void (PairDCMContact::*contacts)();
+    void (PairDCMContact::*with_history)();    // nullptr: no neck to remember
+  };
+  static const Law LAWS[];    // of keyword law
+  enum { DMT, MAUGIS };       // their order, which restart files keep
   enum CommMode { SUMS, NEIGHBORS, MODULUS };
 
   DCMRequests<> stress_requests, virial_requests, blocks_requests;
@@ -234,6 +240,7 @@ class PairDCMContact : public Pair, public DCMRole {
   template <class State, bool HISTORY> void compute_mixed();
   void compute_moduli();
   template <bool SISTERS> void compute_spheres(int);
+  static std::vector<std::string> law_names();
   int find_sisters(tagint, tagint) const;
   void add_partner(tagint, tagint, double);
   void check_start();

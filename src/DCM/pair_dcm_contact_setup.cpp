@@ -107,7 +107,7 @@ void PairDCMContact::settings(int narg, char **arg)
       {"law", "branch", "points", "h0", "rmax", "range", "concave", "maxoverlap", "growth"});
   while (args.next()) {
     if (args.is("law")) {
-      now.law = args.choose({"dmt", "maugis"});
+      now.law = args.choose(law_names());
     } else if (args.is("branch")) {
       now.history = args.choose({"cutoff", "history"});
     } else if (args.is("concave")) {
@@ -129,9 +129,9 @@ void PairDCMContact::settings(int narg, char **arg)
       args.check(now.growth >= 1.0, "at least 1 (no growth)");
     }
   }
-  if (now.history && now.law != MAUGIS)
-    error->all(FLERR, "{}: branch history is for law maugis; law dmt has no neck to remember",
-               STYLE);
+  if (now.history && !LAWS[now.law].with_history)
+    error->all(FLERR, "{}: branch history is for law maugis; law {} has no neck to remember", STYLE,
+               LAWS[now.law].name);
   if (now.h0_auto != set.h0_auto || now.h0 != set.h0) h0_used = 0.0;
   bool anew = now.growth != set.growth;
   if (range_used > 0.0 && (now.range != set.range || h0_used == 0.0)) {

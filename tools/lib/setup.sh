@@ -182,7 +182,8 @@ ensure_plugin() {
   exec 8>"$DCM_BUILD/lock"
   flock 8
   configure_build -D DCM_PLUGIN=ON -D LAMMPS_SOURCE_DIR="$LAMMPS_SOURCE_DIR" \
-    -D LAMMPS_SIZES="${LAMMPS_SIZES:-SMALLBIG}" -D DCM_TESTS="${1:-OFF}"
+    -D LAMMPS_SIZES="${LAMMPS_SIZES:-SMALLBIG}" -D DCM_TESTS="${1:-OFF}" \
+    -D DCM_EXTRA_DIRS="${DCM_EXTRA_DIRS:-}"
   build_targets "the plugin" all
   exec 8>&-
 }
