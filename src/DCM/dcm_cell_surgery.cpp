@@ -16,6 +16,7 @@
 #include "bond_dcm_cortex.h"
 #include "comm.h"
 #include "dcm_allgather.h"
+#include "dcm_compat.h"
 #include "dihedral_dcm_bend.h"
 #include "domain.h"
 #include "dump.h"
@@ -121,9 +122,19 @@ std::vector<DCMCellSurgery::Cell> DCMCellSurgery::gather(const std::vector<tagin
     cell.molecule = molecule;
     std::map<tagint, int> node;
     std::vector<const Part *> faces;
+    const Part *center = nullptr;    // image flags may be missing or wrong: the others are near it
+    for (size_t q = p; q < parts.size() && parts[q].molecule == molecule; q++)
+      if (parts[q].kind == AtomVecDCM::CENTER) center = &parts[q];
     for (; p < parts.size() && parts[p].molecule == molecule; p++) {
       const Part &part = parts[p];
-      const Vec3 x(part.x[0], part.x[1], part.x[2]), v(part.v[0], part.v[1], part.v[2]);
+      const Vec3 v(part.v[0], part.v[1], part.v[2]);
+      Vec3 x(part.x[0], part.x[1], part.x[2]);
+      if (center) {
+        const Vec3 from(center->x[0], center->x[1], center->x[2]), far = x - from;
+        Vec3 near = far;
+        dcm_minimum_image(domain, near[0], near[1], near[2]);
+        if ((near - far).norm() > 0.5 * far.norm()) x = from + near;
+      }
       switch (part.kind) {
         case AtomVecDCM::CENTER:
           cell.types.center = part.type;

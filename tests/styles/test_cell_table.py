@@ -4,8 +4,9 @@ import re
 
 import numpy as np
 import pytest
-from bad_decks import fails, whole
-from cycle_decks import counting, growth, same, sphere
+
+from support.bad_decks import fails, whole
+from support.cycle_decks import counting, growth, same, sphere
 
 K_V = 2.5  # of hepatoblast in both parameter files of the tests
 KIND = "compute p all property/atom kind vertex1 vertex2 vertex3\n"

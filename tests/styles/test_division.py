@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 
+from support.data_files import section
 from support.divisions import (
     NODE,
     PERIOD,
@@ -465,12 +466,6 @@ def test_counts_after_generations(lmp, scenes, np_):
     assert all(len({owner[int(a)] for a in d}) == 1 for d in dihedrals)
     generations = [row["generation"] for row in read_log(result.path)]
     assert generations == [1, 2, 2, 3, 3, 3, 3]
-
-
-def section(text, name):
-    """Lines of a section of a data file."""
-    body = text.partition(f"\n{name}\n\n")[2]
-    return body.partition("\n\n")[0].splitlines()
 
 
 def test_too_few_slots(lmp, scenes):

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from bad_decks import fails, whole
-from cycle_decks import same
+
+from support.bad_decks import fails, whole
+from support.cycle_decks import same
 
 COLUMNS = "id mol type xu yu zu vx vy vz fx fy fz"
 K_V = 2.5  # of hepatoblast in the parameter file of the tests

@@ -3,7 +3,9 @@
 import struct
 
 import pytest
-from cycle_decks import FILES, PLAIN, growth
+
+from support.cycle_decks import growth
+from support.parameters import FILES, PLAIN
 
 MAGIC = b"DCM-rec\n"
 # magic, name of the style, version, size: dcm_record.h

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from divisions import FACE, NODE, Cell, frame_at, molecules, read_log, scene_of
-from test_division import section
+
+from support.data_files import section
+from support.divisions import FACE, NODE, Cell, frame_at, molecules, read_log, scene_of
 
 LATERAL, APICAL = 0, 2  # numbers of doc page atom_style_dcm
 COLUMNS = (

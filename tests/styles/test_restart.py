@@ -201,7 +201,7 @@ def test_growth_beyond_the_promise(lmp, scenes):
     assert "atom type 4 up to 5.5, neighbor list laid out for 5.5 (before 5)" in result.log
 
 
-# --- the form of the coefficients in a restart file -------------------------------------------------
+# --- the form of the coefficients in a restart file -----------------------------------------------
 
 COEFS = b"DCMC" + (1).to_bytes(4, "little")  # what a section of coefficients begins with
 OTHER = {

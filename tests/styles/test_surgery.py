@@ -4,9 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from cycle_decks import counting, growth, same
+
 from lammps_dcm import read_deaths, read_divisions
-from test_division import section
+from support.cycle_decks import counting, growth, same
+from support.data_files import section
 
 SIZE = 1 + 42 + 80  # atoms of a deformable cell of an icosphere of level 1
 CENTER, NODE, FACE = 2, 3, 4
@@ -210,3 +211,38 @@ def test_ids_of_many_deaths_and_divisions_on_ranks(lmp, scenes):
         for a, b in zip(one.dump(), other.dump(), strict=True):
             same(a, b, "id mol type")
             assert len(set(a["id"])) == len(a["id"])
+
+
+@pytest.mark.parametrize("np_", [1, 3])
+def test_data_file_without_image_flags(lmp, scenes, np_):
+    """They are optional: a cell across a periodic corner divides as it does with them."""
+    scene = scenes.Scene(15.0, "p p p")
+    scene.dcm(14.0, -14.5, 14.2, 6.0)
+    data = (lmp(scene.head() + "write_data x.data nofix nocoeff\n").path / "x.data").read_text()
+    start, _, rest = data.partition("Atoms # dcm\n\n")
+    atoms, _, rest = rest.partition("\n\n")
+    flags = {tuple(line.split()[-3:]) for line in atoms.splitlines()}
+    assert len(flags) == 8  # it lies in all eight corners of the box
+    bare = "\n".join(" ".join(line.split()[:-3]) for line in atoms.splitlines())
+    deck = (
+        "units lj\natom_style dcm\nnewton on\nboundary p p p\n"
+        "read_data x.data extra/bond/per/atom 8 extra/dihedral/per/atom 8\n"
+        + scene.cortex()
+        + "comm_modify cutoff 14\nfix cell all dcm/cell\n"
+        + scene.volume()
+        + growth(scene, "cycle_time 20")
+        + "fix division all dcm/division seed 4 plane given 1 0 0 log division.log\n"
+        + scene.motion(options="tolerance 1e-10")
+        + "timestep 1.0\n"
+        + scenes.dump("id mol type x y z", 21)
+        + "run 21\n"
+    )
+    with_flags = lmp(deck, np=np_, files={"x.data": data})
+    without = lmp(deck, np=np_, files={"x.data": f"{start}Atoms # dcm\n\n{bare}\n\n{rest}"})
+    a, b = (read_divisions(r.path / "division.log") for r in (with_flags, without))
+    assert len(a) == len(b) == 1
+    assert b.volume == pytest.approx(a.volume, rel=1e-9)
+    first, second = (r.dump()[-1] for r in (with_flags, without))
+    assert len(first["id"]) == len(second["id"]) == 2 * SIZE
+    apart = first.vectors("x", "y", "z") - second.vectors("x", "y", "z")
+    assert np.abs(apart - 30.0 * np.round(apart / 30.0)).max() < 1e-6

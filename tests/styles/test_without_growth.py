@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from bad_decks import fails, whole
-from cycle_decks import FILES, PLAIN, counting, growth, same
+
 from lammps_dcm import read_deaths
+from support.bad_decks import fails, whole
+from support.cycle_decks import counting, growth, same
+from support.parameters import FILES, PLAIN
 
 COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
 ATOMS, EDGES = 1 + 42 + 80, 120  # of a deformable cell of an icosphere of level 1

@@ -80,3 +80,9 @@ class Scene:
             out.append(" ".join(v if isinstance(v, str) else f"{v:.17g}"
                                 for v in (values[n] for n in names)))
         return "\n".join(out) + "\n"
+
+
+def section(text, name):
+    """Lines of a section of a data file."""
+    body = text.partition(f"\n{name}\n\n")[2]
+    return body.partition("\n\n")[0].splitlines()
