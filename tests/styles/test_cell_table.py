@@ -229,7 +229,8 @@ def test_unknown_value(lmp, scenes):
     extra += "compute of all dcm/cell volume polarity\n"
     deck = whole(scene, extra=extra)
     fails(lmp, deck, "Compute dcm/cell: unknown value polarity; known: volume volume0 area",
-          "progress", "cycle_time", "rounding_factor", "volume_born", "pressure_before")  # fmt: skip
+          "progress", "cycle_time", "rounding_factor", "volume_born",
+          "pressure_before")  # fmt: skip
     deck = deck.replace("polarity", "rest_ratio")
     fails(lmp, deck, "unknown value rest_ratio; known:.*progress")
 

@@ -187,7 +187,7 @@ def test_across_a_periodic_border(lmp, scenes, relaxed):
 # --- cells in contact -----------------------------------------------------------------------------
 
 
-# Contacts derive from no energy, and their forces jump where a pair of faces comes into reach: below
+# Contacts derive from no energy; their forces jump where a pair of faces comes into reach: below
 # a few thousandths of the start's 14 nN the last of them fall slowly.
 LEFT = 5e-3  # nN
 
