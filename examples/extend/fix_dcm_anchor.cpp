@@ -122,10 +122,11 @@ void FixDCMAnchor::initial_integrate(int /*vflag*/)
 void FixDCMAnchor::cell_divided(const DCMCellTable::Division &division)
 {
   if (!acts_on(cell->cells()[division.mother])) return;
+  divisions += 1.0;
+  if (share == 0.5) return;    // as SPLIT has it
   const double shared = (*anchors)(division.mother);
   (*anchors)(division.daughter[0]) = share * shared;
   (*anchors)(division.daughter[1]) = (1.0 - share) * shared;
-  divisions += 1.0;
 }
 
 void FixDCMAnchor::cell_removed(int row)
