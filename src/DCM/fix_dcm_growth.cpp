@@ -87,7 +87,16 @@ FixDCMGrowth::FixDCMGrowth(LAMMPS *lmp, int narg, char **arg) :
   next_reneighbor = -1;
 }
 
-FixDCMGrowth::~FixDCMGrowth() = default;
+// cells that nothing makes grow any more are at rest
+
+FixDCMGrowth::~FixDCMGrowth()
+{
+  if (!cycles || FixDCMCell::find(lmp) != cell) return;
+  auto &table = cell->change_cells();
+  for (int row = 0; row < table.size(); row++)
+    if ((*cycles)(row) > 0.0 && table[row].phase != DCMCellTable::DYING)
+      table.set_phase(row, DCMCellTable::QUIESCENT);
+}
 
 void FixDCMGrowth::parse_keyword(DCMArgs &args)
 {

@@ -177,6 +177,7 @@ void PairDCMContact::write_restart(FILE *fp)
 {
   DCMRecord record(lmp, STYLE, RECORD);
   record.put(set);
+  record.put(law_names()[set.law]);    // a number would mean another law where there are more
   for (double *value : kept()) record.put(*value);
   laid_out.resize(atom->ntypes + 1, 0.0);
   record.put(laid_out);
@@ -188,6 +189,13 @@ void PairDCMContact::read_restart(FILE *fp)
   DCMRecord record(lmp, STYLE, RECORD);
   record.read_plain(fp);
   record.get(set);
+  std::string law;
+  record.get(law);
+  const auto laws = law_names();
+  set.law = (int) (std::find(laws.begin(), laws.end(), law) - laws.begin());
+  if (set.law == (int) laws.size())
+    error->all(FLERR, "{}: the restart file has law {}, this program has: {}", STYLE, law,
+               utils::join_words(laws, " "));
   for (double *value : kept()) record.get(*value);
   record.get(laid_out);
 }

@@ -297,3 +297,13 @@ def test_rest_volume_of_spheres(lmp, scenes):
         for it in cells.values():
             assert it["volume0"] == pytest.approx(sphere(5.0) * (1 + step / 100), rel=1e-12)
             assert it["volume"] == pytest.approx(it["volume0"], rel=1e-12)
+
+
+def test_cells_that_nothing_grows_any_more_are_quiescent(lmp):
+    """Growing (0) with fix dcm/growth, at rest (3) once it is gone: no cell stays on its way."""
+    deck = counting(4, "cycle_time 100") + "compute of all dcm/cell phase\n"
+    deck += "dump d all custom 1 phase.txt id c_of\ndump_modify d sort id\n"
+    result = lmp(deck + "run 2\nunfix growth\nrun 2\n")
+    phases = {frame.step: list(frame["c_of"]) for frame in result.dump("phase.txt")}
+    assert phases[1] == phases[2] == [0.0] * 4
+    assert phases[3] == phases[4] == [3.0] * 4
