@@ -369,7 +369,7 @@ void FixDCMGrowth::hold_fractions()
     const auto from = change > 0 ? DCMCellTable::QUIESCENT : DCMCellTable::GROWING;
     const auto to = change > 0 ? DCMCellTable::GROWING : DCMCellTable::QUIESCENT;
     candidates.clear();
-    for (int row = 0; row < table.size(); row++) {
+    for (int row = 0; row < (int) table.all().size(); row++) {
       const auto &it = table[row];
       if (it.phase != from || !counts(it, cycles->load<Cycle>(row))) continue;
       candidates.emplace_back(

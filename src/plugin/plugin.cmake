@@ -81,5 +81,5 @@ endfunction()
 
 dcm_plugin(dcmplugin ${CMAKE_BINARY_DIR} ${DCM_EXTRA_DIRS})
 if(DCM_TESTS)
-  dcm_plugin(dcmplugin_extend ${CMAKE_BINARY_DIR}/extend examples/extend)
+  dcm_plugin(dcmplugin_extend ${CMAKE_BINARY_DIR}/extend examples/extend tests/probe)
 endif()

@@ -1,0 +1,116 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+#include "fix_dcm_probe.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "dcm_args.h"
+#include "fix_dcm_cell.h"
+#include "force.h"
+#include "pair_dcm_contact.h"
+#include "update.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+static const char STYLE[] = "Fix dcm/probe";
+
+// fix ID group dcm/probe [send yes|no] [every N]
+
+FixDCMProbe::FixDCMProbe(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), send(true), every(1), values{}
+{
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"send", "every"});
+  while (args.next()) {
+    if (args.is("send"))
+      send = args.choose({"no", "yes"}) == 1;
+    else
+      every = (int) args.whole();
+  }
+  vector_flag = 1;
+  size_vector = NVALUES;
+  global_freq = 1;
+  extvector = 0;
+  nevery = 1;
+}
+
+int FixDCMProbe::setmask()
+{
+  return END_OF_STEP;
+}
+
+void FixDCMProbe::init()
+{
+  cell = FixDCMCell::require(lmp, STYLE);
+  adjacency = cell->request_adjacency();
+  contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
+  if (contact) partners = contact->request_partners(every);
+}
+
+void FixDCMProbe::setup(int)
+{
+  end_of_step();
+}
+
+void FixDCMProbe::end_of_step()
+{
+  const DCMAtoms *const dcm = AtomVecDCM::require(lmp, STYLE);
+  const auto &faces = cell->faces();
+  std::fill_n(values, (int) NVALUES, 0.0);
+
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::NODE) continue;
+    const auto around = cell->faces_of_node(i);
+    values[NODES] += 1.0;
+    values[AROUND] += (double) around.size();
+    if (around.size() < 5) values[FEWEST] += 1.0;
+    for (int m = 0; m < atom->num_bond[i]; m++) {
+      const tagint ends[2] = {atom->tag[i], atom->bond_atom[i][m]};
+      const auto two = cell->faces_of_edge(i, atom->map(ends[1]));
+      values[EDGES] += 1.0;
+      if (two[0] < 0 || two[1] < 0 ||
+          atom->tag[faces[two[0]].atom] == atom->tag[faces[two[1]].atom])
+        continue;
+      const bool hold = std::all_of(two.begin(), two.end(), [&](int f) {
+        return std::all_of(ends, ends + 2, [&](tagint end) {
+          return std::any_of(faces[f].v, faces[f].v + 3, [&](int v) {
+            return atom->tag[v] == end;
+          });
+        });
+      });
+      if (hold) values[BOTH] += 1.0;
+    }
+  }
+
+  auto wanted = [this](int i) {
+    return (int) ((atom->tag[i] + update->ntimestep) % AtomVecDCM::NREGION);
+  };
+  for (int f = 0; f < cell->nowned(); f++) cell->set_region(f, wanted(faces[f].atom));
+  if (send) cell->update_regions();
+  for (int f = cell->nowned(); f < (int) faces.size(); f++) {
+    const int i = faces[f].atom;
+    values[GHOSTS] += 1.0;
+    if (dcm->region[i] != wanted(i)) values[STALE] += 1.0;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, values, NVALUES, MPI_DOUBLE, MPI_SUM, world);
+
+  if (!contact) return;
+  for (const auto &pair : contact->partners()) {    // the same on all ranks
+    values[PAIRS] += 1.0;
+    values[PAIR_AREA] += pair.area;
+  }
+}
+
+double FixDCMProbe::compute_vector(int i)
+{
+  return values[i];
+}
