@@ -96,7 +96,7 @@ TEST(Shape, PlaneOfEqualPower)
   const Ball cell = {Vec3::Zero(), 5.0}, other = {{0.0, 10.5, 0.0}, 7.0};
   const Mesh mesh = fitted(cell, {other}, icosphere(3));
   double most = 0.0;
-  Vec3 top;
+  Vec3 top = Vec3::Zero();
   for (const Vec3 &x : mesh.nodes)
     if (x[1] > most) {
       most = x[1];
