@@ -22,9 +22,14 @@ struct Triangle2 {
   }
 };
 
+/// Most corners of a clipped triangle: six, and what round-off adds where corners lie on the lines
+/// that clip. A line cuts between corners on different sides, so that 3 corners become at most 4, 6
+/// and 9.
+constexpr int MAX_OVERLAP = 9;
+
 /// Directed boundary segments of a convex polygon; the polygon lies to their left.
 struct Boundary2 {
-  static constexpr int MAXSEG = 6;
+  static constexpr int MAXSEG = MAX_OVERLAP;
   int n = 0;
   double x0[MAXSEG], y0[MAXSEG], x1[MAXSEG], y1[MAXSEG];
 
@@ -40,7 +45,7 @@ struct Boundary2 {
 
 /// Corners of a convex polygon in order, counter-clockwise.
 struct Polygon2 {
-  static constexpr int MAXCORNER = 8;
+  static constexpr int MAXCORNER = MAX_OVERLAP;
   int n = 0;
   double x[MAXCORNER], y[MAXCORNER];
 };
@@ -67,14 +72,13 @@ inline void clip_triangles(const Triangle2 &f, const Triangle2 &g, Polygon2 &out
     for (int i = 0; i < in.n; i++) {
       const double qx = in.x[i], qy = in.y[i];
       const double qs = ex * (qy - g.y[j]) - ey * (qx - g.x[j]);
-      // a line cuts a convex polygon at most twice; the bound only guards against round-off
-      if ((ps > 0.0) != (qs > 0.0) && res.n < Polygon2::MAXCORNER) {
+      if ((ps > 0.0) != (qs > 0.0)) {
         const double t = ps / (ps - qs);
         res.x[res.n] = px + t * (qx - px);
         res.y[res.n] = py + t * (qy - py);
         res.n++;
       }
-      if (qs > 0.0 && res.n < Polygon2::MAXCORNER) {
+      if (qs > 0.0) {
         res.x[res.n] = qx;
         res.y[res.n] = qy;
         res.n++;
@@ -158,12 +162,11 @@ inline bool triangle_overlap(const Triangle2 &f, const Triangle2 &g, Boundary2 &
 
   Polygon2 poly;
   clip_triangles(f, g, poly);
-  const int n = std::min(poly.n, static_cast<int>(Boundary2::MAXSEG));
-  for (int k = 0; k < n; k++) {
-    const int kn = k + 1 < n ? k + 1 : 0;
+  for (int k = 0; k < poly.n; k++) {
+    const int kn = k + 1 < poly.n ? k + 1 : 0;
     out.add(poly.x[k], poly.y[k], poly.x[kn], poly.y[kn]);
   }
-  return n >= 3;
+  return out.n >= 3;
 }
 
 }    // namespace dcm
