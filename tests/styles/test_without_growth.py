@@ -255,3 +255,20 @@ def test_another_fix_cell_of_another_name(lmp, scenes):
     extra = f"fix growth all dcm/growth {scene.map} seed 1 cycle_time 1000\n"
     deck = whole(scene, cell=extra + "fix mine all dcm/cell\n")
     fails(lmp, deck, "fix dcm/cell already .ID cell, added for a style above; define yours before")
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+def test_the_last_deformable_cell_dies(lmp, scenes, np_):
+    """Its types are empty then; exclusions of the pair style's own do not end the next run."""
+    scene = scenes.doublet(boundary="f f f")
+    scene.cbm(0.0, 12.0, 0.0, 4.0)
+    deck = whole(
+        scene,
+        contact=scene.contact().replace("neighbor 0.6", "neighbor 0.8"),
+        extra="group doomed molecule 1 2\nfix death doomed dcm/death all every 3\n",
+        motion=scene.motion(),
+    )
+    deck += "thermo_style custom step atoms\nthermo 1\ntimestep 1.0\nrun 5\n"
+    result = lmp(deck + "write_restart r.5\nwrite_data r.data nofix nocoeff\nrun 5\n", np=np_)
+    assert [row["Atoms"] for row in result.thermo][-1] == 1
+    assert (result.path / "r.5").stat().st_size > 0
