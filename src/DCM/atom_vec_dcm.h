@@ -38,7 +38,7 @@ struct DCMAtoms {
 class AtomVecDCM : public AtomVec {
  public:
   enum Kind { SPHERE = 1, CENTER, NODE, FACE, TRACER };
-  enum Region { LATERAL, POLAR, APICAL, JUNCTION, NREGION };
+  enum Region { LATERAL, POLAR, APICAL, JUNCTION, BASAL, NREGION };    // as in restart files
 
   static constexpr double UNSET_L0 = -1.0, UNSET_THETA0 = 10.0;
 

@@ -24,7 +24,10 @@
 
 using namespace LAMMPS_NS;
 
-static const std::array<std::string, 4> REGIONS = {"lateral", "polar", "apical", "junction"};
+// as enum AtomVecDCM::Region
+
+static const std::array<std::string, 5> REGIONS = {"lateral", "polar", "apical", "junction",
+                                                   "basal"};
 
 // every keyword a cell type may have: a misspelled one is an error, not a silent default
 
@@ -165,8 +168,8 @@ void DCMParameters::read_line(const std::string &line, std::string &current)
       if (colon == std::string::npos) continue;
       const std::string region = words[k].substr(colon + 1);
       if (std::find(REGIONS.begin(), REGIONS.end(), region) == REGIONS.end())
-        error->all(FLERR, "{}: {}: unknown region {}; known: lateral polar apical junction", asking,
-                   where, region);
+        error->all(FLERR, "{}: {}: unknown region {}; known: lateral polar apical junction basal",
+                   asking, where, region);
     }
     const double value = DCMArgs::number(lmp, asking, "adhesion", words[3].c_str(), NONNEGATIVE);
     energies[{words[1], words[2]}] = value;

@@ -11,10 +11,13 @@
 
 #include "bond_hybrid.h"
 #include "dihedral_hybrid.h"
+#include "error.h"
 #include "fix.h"
 #include "force.h"
 #include "modify.h"
 #include "pair_hybrid.h"
+
+#include <algorithm>
 
 using namespace LAMMPS_NS;
 
@@ -55,4 +58,39 @@ unsigned DCMRole::traits_of(LAMMPS *lmp)
   unsigned traits = 0U;
   for (const auto *const role : of(lmp)) traits |= role->traits();
   return traits;
+}
+
+/* ----------------------------------------------------------------------
+   LAMMPS calls fixes in the order of the deck
+------------------------------------------------------------------------- */
+
+static int place_of(Modify *modify, const Fix *fix)
+{
+  const auto &list = modify->get_fix_list();
+  return (int) (std::find(list.begin(), list.end(), fix) - list.begin());
+}
+
+void DCMRole::check_before_motion(LAMMPS *lmp, const Fix *me, const std::string &asking)
+{
+  for (auto *const fix : lmp->modify->get_fix_list()) {
+    const auto *const role = dynamic_cast<DCMRole *>(fix);
+    if (!role || !(role->traits() & MOVES)) continue;
+    if (place_of(lmp->modify, me) > place_of(lmp->modify, fix))
+      lmp->error->all(
+          FLERR,
+          "{}: fix {} stands after fix {} (dcm/motion), which moves the cells before it "
+          "has decided; define it before fix {}",
+          asking, me->id, fix->id, fix->id);
+  }
+}
+
+void DCMRole::check_after(LAMMPS *lmp, const Fix *me, const std::string &asking,
+                          const std::string &style)
+{
+  for (auto *const fix : lmp->modify->get_fix_by_style("^" + style + "$"))
+    if (place_of(lmp->modify, me) < place_of(lmp->modify, fix))
+      lmp->error->all(FLERR,
+                      "{}: fix {} stands before fix {} ({}), whose decisions of the step it uses; "
+                      "define it after fix {}",
+                      asking, me->id, fix->id, style, fix->id);
 }

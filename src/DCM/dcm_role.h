@@ -11,8 +11,10 @@
 #ifndef LMP_DCM_ROLE_H
 #define LMP_DCM_ROLE_H
 
+#include "dcm_cell_builder.h"
 #include "dcm_cell_table.h"
 
+#include <string>
 #include <vector>
 
 namespace dcm {
@@ -59,6 +61,23 @@ class DCMRole {
 
   virtual const double *covered_area() const { return nullptr; }
 
+  // ---- lumens
+
+  // faces that bound a lumen: per owned atom, 1: marked; nullptr: this style marks none. Current
+  // from its own initial_integrate (or setup_pre_reverse) on, until the next one
+
+  virtual const int *marked_faces() const { return nullptr; }
+
+  // set `touched` (per owned atom) of faces within `range` of a tracer that is outside all cells
+  // and in front of them; collective
+
+  virtual void touch_faces(double /*range*/, std::vector<int> & /*touched*/) {}
+
+  // ---- division: types and groups that both daughters of a cell take instead of their mother's;
+  // asked while she still has her row, on all processes
+
+  virtual void daughters_take(int /*row*/, DCMCellBuilder::Types &, DCMCellBuilder::Masks &) {}
+
   // ---- stiffness of a linearly implicit step; nobody asks for it yet
 
   virtual void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) {}
@@ -68,6 +87,13 @@ class DCMRole {
 
   static std::vector<DCMRole *> of(class LAMMPS *);
   static unsigned traits_of(class LAMMPS *);    // of any of them
+
+  // errors in init() of a fix that decides in initial_integrate: it has to come before the fix that
+  // moves atoms, and after all fixes of a style whose decisions of this step it uses
+
+  static void check_before_motion(class LAMMPS *, const class Fix *, const std::string &asking);
+  static void check_after(class LAMMPS *, const class Fix *, const std::string &asking,
+                          const std::string &style);
 
  protected:
   ~DCMRole() = default;

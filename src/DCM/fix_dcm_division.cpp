@@ -47,8 +47,9 @@ static const char HEADER[] =
 static constexpr double SOFTEST = 1.0e-3;
 
 /* ----------------------------------------------------------------------
-   fix ID group dcm/division seed S [plane random|long|given x y z|variable v_x v_y v_z]
-       [cbm soften T|truncate F] [tolerance t] [maxiter n] [every N] [log FILE]
+   fix ID group dcm/division seed S
+       [plane random|long|polarity|given x y z|variable v_x v_y v_z] [cbm soften T|truncate F]
+[tolerance t] [maxiter n] [every N] [log FILE]
 ------------------------------------------------------------------------- */
 
 FixDCMDivision::FixDCMDivision(LAMMPS *lmp, int narg, char **arg) :
@@ -103,8 +104,8 @@ void FixDCMDivision::parse(int narg, char **arg)
 
 void FixDCMDivision::parse_plane(DCMArgs &args)
 {
-  plane_mode = (Plane) args.choose({"random", "long", "given", "variable"},
-                                   "random, long, given x y z or variable v_x v_y v_z");
+  plane_mode = (Plane) args.choose({"random", "long", "given", "variable", "polarity"},
+                                   "random, long, polarity, given x y z or variable v_x v_y v_z");
   if (plane_mode == GIVEN) {
     for (double &component : given) component = args.number();
     if (!(given.norm() > 0.0))
@@ -164,6 +165,12 @@ void FixDCMDivision::setup(int /*vflag*/)
 {
   DCMCellSurgery surgery(lmp, STYLE);
   const auto &table = cell->cells();
+  int field;
+  if (plane_mode == POLARITY && !table.column("px", field))
+    error->all(FLERR,
+               "{}: plane polarity needs a fix dcm/polarity, whose polar vector is normal to the "
+               "plane; add one to the deck or choose another plane",
+               STYLE);
   for (const int row : table.all_deformable())
     if (table.value("cycle_time", row, 1.0) > 0.0)
       surgery.builder.reserve_slots(round_mesh(surgery, table[row].nnodes).slots);
@@ -256,6 +263,12 @@ Vec3 FixDCMDivision::axis_of(const DCMCellSurgery::Cell &mother)
   if (plane_mode == GIVEN) return given;
   if (plane_mode == VARIABLE) return variable_axis[mother.molecule];
   if (plane_mode == LONG && !mother.mesh.nodes.empty()) return dcm::long_axis(mother.mesh);
+  if (plane_mode == POLARITY) {
+    const auto &table = cell->cells();
+    const int row = table.find(mother.molecule);
+    const Vec3 P(table.value("px", row), table.value("py", row), table.value("pz", row));
+    if (P.norm() > 0.5) return P.normalized();    // else it has none yet
+  }
   return dcm::Random(seed, mother.molecule, update->ntimestep, dcm::RandomPurpose::DIVISION)
       .unit_vector();
 }

@@ -54,7 +54,7 @@ class FixDCMDivision : public Fix, public DCMRole {
   unsigned traits() const override { return MAKES_CELLS; }
 
  private:
-  enum Plane { RANDOM, LONG, GIVEN, VARIABLE };
+  enum Plane { RANDOM, LONG, GIVEN, VARIABLE, POLARITY };
   enum Sphere { SOFTEN, TRUNCATE };
 
   struct Job {    // one division

@@ -192,7 +192,10 @@ void FixDCMDivision::insert(DCMCellSurgery &surgery, Job &job)
 {
   const auto &top = *job.round;
   DCMCellBuilder::Deformable daughter;
+  auto types = job.mother.types;
   daughter.mask = job.mother.masks;
+  for (auto *const role : DCMRole::of(lmp))
+    role->daughters_take(cell->cells().find(job.mother.molecule), types, daughter.mask);
   daughter.volume0 = 0.5 * job.mother.volume0;
   for (int k = 0; k < 3; k++) daughter.v[k] = job.mother.v[k];
 
@@ -205,7 +208,7 @@ void FixDCMDivision::insert(DCMCellSurgery &surgery, Job &job)
     daughter.molecule = molecule[side] = cell->change_cells().new_molecule();
     daughter.x = d.mesh.nodes;
     daughter.region = regions_of(job, d.mesh.nodes);
-    surgery.insert(job.mother.types, top, daughter);
+    surgery.insert(types, top, daughter);
     iterations += d.iterations;
     outside = std::max(outside, d.outside / dcm::ball_radius(d.volume));
     quality = std::min(quality, d.quality);
@@ -214,6 +217,8 @@ void FixDCMDivision::insert(DCMCellSurgery &surgery, Job &job)
   write_log(job.mother, job.plane.normal, molecule, job.volume, job.daughter[0].volume,
             job.daughter[1].volume, job.daughter[0].iterations + job.daughter[1].iterations);
   cell->change_cells().divided(job.mother.molecule, molecule[0], molecule[1], job.volume);
+  if (types.center == job.mother.types.center) return;
+  for (const tagint it : molecule) cell->change_cells().retyped(it, types.center);
 }
 
 /* ----------------------------------------------------------------------

@@ -107,7 +107,7 @@ def data_changes():
         "missing face": (open_face, "cell 1 has .* nodes and .* faces; a closed surface"),
         "missing vertex": (lambda: with_column(first("4"), 8, "99999"), "vertex 99999 of face"),
         "kind": (lambda: with_column(first("3"), 3, "7"), "atom .* has kind 7, must be 1 to 5"),
-        "region": (lambda: with_column(first("4"), 11, "9"), "has region 9, must be 0 to 3"),
+        "region": (lambda: with_column(first("4"), 11, "9"), "has region 9, must be 0 to 4"),
         "radius": (lambda: with_column(first("4"), 4, "-1"), "has radius -1"),
         "volume0": (lambda: with_column(first("2"), 12, "0"), "rest volume 0, must be positive"),
         "vertex zero": (lambda: with_column(first("4"), 8, "0"), "vertex ID 0, must be positive"),
