@@ -105,7 +105,7 @@ void FixDCMPolarity::parse(int narg, char **arg)
       axis = args.choose({"none", "x", "y", "z"}) - 1;
     } else if (args.is("init")) {
       start_mode = (Start) args.choose({"random", "free", "toward", "variable"},
-                                     "random, free, toward x y z or variable v_x v_y v_z");
+                                       "random, free, toward x y z or variable v_x v_y v_z");
       if (start_mode == TOWARD)
         for (double &coordinate : point) coordinate = args.number();
       if (start_mode == VARIABLE)
@@ -172,7 +172,8 @@ void FixDCMPolarity::init()
 
   if (start_mode == VARIABLE)
     for (const auto &name : variable_name) dcm_find_variable(lmp, STYLE, name);
-  for (const auto *const style : {"dcm/cell", "dcm/growth", "dcm/division", "dcm/death", "dcm/convert"})
+  for (const auto *const style :
+       {"dcm/cell", "dcm/growth", "dcm/division", "dcm/death", "dcm/convert"})
     check_after(lmp, this, STYLE, style);
   check_before_motion(lmp, this, STYLE);
   cell->refresh();

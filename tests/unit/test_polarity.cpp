@@ -30,8 +30,7 @@ double face_area(const Mesh &mesh, const std::array<int, 3> &f)
 std::vector<int> regions(const Mesh &mesh, const SurfaceCones &cones, const Vec3 &A, const Vec3 &P)
 {
   std::vector<int> all;
-  for (const auto &f : mesh.faces)
-    all.push_back(cones.region(A, P, direction(middle(mesh, f))));
+  for (const auto &f : mesh.faces) all.push_back(cones.region(A, P, direction(middle(mesh, f))));
   return all;
 }
 
