@@ -73,8 +73,8 @@ void FixDCMPolarity::sum_free_faces()
     const int row = faces[f].cell;
     const double area = cell->area(f), free = area - covered[faces[f].atom];
     if (!due[row] || !(area - free < theta * area)) continue;
-    const double mean_face = table[row].area / table[row].nfaces;
-    sums[row].normals.add(by_area ? Vec3(free / mean_face * outward[f]) : outward[f]);
+    const double weight = by_area ? free * table[row].nfaces / table[row].area : 1.0;
+    sums[row].normals.add(weight * outward[f]);
     sums[row].nfree++;
   }
   if (comm->nprocs == 1) return;
@@ -118,22 +118,29 @@ void FixDCMPolarity::set_regions()
 {
   const auto &table = cell->cells();
   const auto &faces = cell->faces();
-  std::vector<dcm::SurfaceCones> mine(table.size());
+  struct Surface {    // of a cell, looked up once and not for each face
+    bool known;
+    Vec3 A, P;
+    double per_area;
+    dcm::SurfaceCones cones;
+  };
+  std::vector<Surface> surfaces(table.size());
   for (int row = 0; row < table.size(); row++)
-    if (due[row] && has_vectors(row)) mine[row] = cones_of(row);
+    if (due[row])
+      surfaces[row] = {has_vectors(row), A(row), P(row), 1.0 / area_unit(row), cones_of(row)};
   int nchanged = 0;
   for (int f = 0; f < cell->nowned(); f++) {
     const int row = faces[f].cell;
     if (!due[row]) continue;
-    const int region = has_vectors(row) ? mine[row].region(A(row), P(row), outward[f])
-                                        : dcm::LATERAL;
+    const Surface &mine = surfaces[row];
+    const int region = mine.known ? mine.cones.region(mine.A, mine.P, outward[f]) : dcm::LATERAL;
     if (region != dcm->region[faces[f].atom]) {
       cell->set_region(f, region);
       nchanged++;
     }
     if (region != dcm::APICAL && region != dcm::JUNCTION) continue;
     auto &sum = region == dcm::APICAL ? sums[row].apical : sums[row].junction;
-    sum += std::llround(cell->area(f) / area_unit(row));
+    sum += std::llround(cell->area(f) * mine.per_area);    // per_area: a power of two
   }
   if (add_up(nchanged)) cell->update_regions();
   for (int row = 0; row < table.size(); row++) {

@@ -161,7 +161,7 @@ def test_maugis_knows_the_strongest_region(lmp, scenes):
 
 
 def test_junctions_stick_more_apical_faces_less(lmp, scenes):
-    """The shipped cell type: contact area of a doublet after some minutes, its faces all apical, all
+    """The shipped cell type: contact area of a doublet after some minutes, faces all apical, all
     of the ribbon, or neither.
     """
     area = {}

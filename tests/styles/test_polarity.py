@@ -117,7 +117,7 @@ def test_belt(lmp, scenes):
 
 @pytest.mark.parametrize("level, nodes", [(2, 162), (3, 642), (4, 2562)])
 def test_ribbon_at_every_mesh(lmp, scenes, level, nodes):
-    """junction auto: by area one to two rows of faces (0.87 edges high) thick; no apical face has an
+    """junction auto: by area one to two rows of faces (0.87 edges high); no apical face has an
     edge in common with one below the ribbon.
     """
     scene = scenes.single_cell(level=level)
@@ -490,7 +490,7 @@ def test_bad_decks(lmp, scenes):
     alone = whole(scene, extra=fix, contact="comm_modify cutoff 14\n")
     fails(lmp, alone, style + "which faces are free is known to pair_style dcm/contact; add it")
     after = whole(scene, motion=scene.motion() + fix)
-    fails(lmp, after, style + "fix polarity stands after fix motion .dcm/motion., .*define it before")
+    fails(lmp, after, style + "fix polarity stands after fix motion .dcm/motion., .*before")
     grow = whole(scene, extra=fix + growth(scene, "cycle_time 900"))
     fails(lmp, grow, style + "fix polarity stands before fix growth .dcm/growth.*define it after")
     cell = whole(scene, cell="", extra=fix + "fix cell all dcm/cell\n")
@@ -525,4 +525,4 @@ def test_plane_polarity_needs_polarity(lmp, scenes):
     scene, _, text = dividing(scenes)
     lines = [line for line in text.splitlines() if "polarity all" not in line]
     text = "\n".join(lines).split("compute k")[0]
-    fails(lmp, text, "Fix dcm/division: plane polarity needs a fix dcm/polarity, whose polar vector")
+    fails(lmp, text, "Fix dcm/division: plane polarity needs a fix dcm/polarity, whose")
