@@ -122,7 +122,7 @@ void ComputeDCMLumen::find()
 }
 
 /* ----------------------------------------------------------------------
-   marked faces of the group, linked as fix dcm/osmosis links them
+   marked faces of the group's cells, linked as fix dcm/osmosis links them
 ------------------------------------------------------------------------- */
 
 void ComputeDCMLumen::find_sets()
@@ -131,8 +131,8 @@ void ComputeDCMLumen::find_sets()
   const int *const mark = marks->marked_faces();
   state.assign(atom->nlocal + atom->nghost, 0);
   for (int f = 0; f < cell->nowned(); f++) {
-    const int i = cell->faces()[f].atom;
-    if (mark[i] && (atom->mask[i] & groupbit))
+    const int i = cell->faces()[f].atom, row = cell->faces()[f].cell;
+    if (mark[i] && row >= 0 && (cell->cells()[row].mask & groupbit))
       state[i] = DCMFaceGraph::NODE;
     else if (!mark[i] && area[i] > dcm::MARK_FALLS * cell->area(f))
       state[i] = DCMFaceGraph::SHUT;

@@ -38,7 +38,7 @@ static const char STYLE[] = "Fix dcm/osmosis";
 // a daughter's face takes the mark of a face of her mother's that is this near, in mean edges, and
 // faces the same way; those at the division plane face across
 
-static constexpr double NEAR = 0.5, ALONG = 0.5;
+static constexpr double NEAR = 0.3, ALONG = 0.7;
 
 // a lumen that takes more than this part of all free area, and encloses cells instead of being
 // enclosed by them, is open

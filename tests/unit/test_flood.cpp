@@ -42,10 +42,10 @@ void add_cavity(Faces &faces, const Vec3 &center, double radius, int first)
   }
 }
 
-// two cells above each other with a gap of 0.6 between them, but `gap` along a strip 4 < x < 4.4
+// two cells above each other with a gap of 0.6 between them, but `gap` along a strip 4 < x < 4.3
 Faces plates(double gap)
 {
-  const std::vector<double> at = {0, 1, 2, 3, 4, 4.4, 5.4, 6.4, 7.4, 8.4};
+  const std::vector<double> at = {0, 1, 2, 3, 4, 4.3, 5.3, 6.3, 7.3, 8.3};
   const int nx = (int) at.size(), ny = 6;
   Faces faces;
   for (int cell = 1; cell <= 2; cell++) {
