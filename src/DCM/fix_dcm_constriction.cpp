@@ -221,7 +221,7 @@ int FixDCMConstriction::choose_edges(int i, const DCMCellTable::Cell &it)
 bool FixDCMConstriction::advance()
 {
   const auto &table = cell->cells();
-  const double step = update->dt / ramp;    // infinite: at once
+  const double step = ramp > 0.0 ? update->dt / ramp : 1.0;
   bool any = false;
   changed.assign(table.size(), 0);
   for (const int row : table.all_deformable()) {
