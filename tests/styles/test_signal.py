@@ -509,6 +509,6 @@ def test_bad_surroundings(lmp, scenes):
 def test_without_division(lmp, scenes):
     """Nothing would ever switch: one warning."""
     deck = Tissue(scenes).deck("time 5", 1, division=False)
-    deck = deck.replace("cycle_time mother", "mother").replace(" c_life[4]", "")
+    deck = deck.replace(" cycle_time mother", " birth mother")
     result = lmp(deck, files=FILES)
     assert result.out.count("there is no fix dcm/division: all keep theirs") == 1
