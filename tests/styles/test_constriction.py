@@ -427,3 +427,44 @@ def test_a_ramp_shorter_than_a_step(lmp, scenes):
     result = lmp(deck + "timestep 1.0\nrun 1\nrun 1\n")
     text = "ramp is 0.25, shorter than the timestep 1: rest lengths jump to 0.5 (ribbon) and 0.7 (cap)"
     assert result.out.count("WARNING: " + STYLE + ": " + text) == 1
+
+
+# --- with the styles that give regions and marks ----------------------------------------------------
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+def test_with_polarity_and_osmosis(lmp, scenes, np_):
+    """Two polar cells with a lumen constrict in the step in which their faces are marked: the edges
+    between two faces of the regions of that moment, whatever the regions become."""
+    scene = scenes.doublet(level=2)
+    extra = (
+        "fix polar all dcm/polarity seed 3 init toward 0 0 0 apical 0.5 junction 0.2 0.5 every 1 "
+        "freeze 0\n" + constriction("ramp 5")
+        + "fix osm all dcm/osmosis pressure 0.05 marks flood starter 0 0 0 8 1e9\n"
+    )  # fmt: skip
+    deck = whole(scene, extra=extra)
+    deck += "compute p all property/atom kind vertex1 vertex2 vertex3 region\n"
+    deck += output(scenes).replace(COLUMNS, COLUMNS + " c_p[1] c_p[2] c_p[3] c_p[4] c_p[5]")
+    result = lmp(deck + "run 12\n", np=np_)
+    frames = result.dump()
+    began = {float(f["c_life[1]"][f["type"] == 1][0]) for f in frames}
+    assert len(began) == 2 and min(began) == -1.0
+    start = int(max(began))
+    assert [row["v_cells"] for row in result.thermo] == [0] * start + [2] * (13 - start)
+    frame = frames[start]
+    face = frame["type"] == 3
+    region = dict(zip(frame["id"][face].astype(int), frame["c_p[5]"][face], strict=True))
+    around = {}
+    for tag, v in zip(
+        frame["id"][face].astype(int),
+        frame.vectors("c_p[2]", "c_p[3]", "c_p[4]")[face].astype(int),
+        strict=True,
+    ):
+        for k in range(3):
+            around.setdefault(tuple(sorted((v[k], v[(k + 1) % 3]))), []).append(region[tag])
+    ribbon, cap = (
+        sum(two[0] == two[1] == r for two in around.values()) for r in (JUNCTION, APICAL)
+    )
+    assert ribbon > 10 and cap > 10
+    for row in result.thermo[start:]:
+        assert (row["v_ribbon"], row["v_cap"]) == (ribbon, cap)

@@ -512,3 +512,35 @@ def test_without_division(lmp, scenes):
     deck = deck.replace(" cycle_time mother", " birth mother")
     result = lmp(deck, files=FILES)
     assert result.out.count("there is no fix dcm/division: all keep theirs") == 1
+
+
+# --- with the styles that give regions and marks ----------------------------------------------------
+
+
+def test_with_polarity_and_osmosis(lmp, scenes):
+    """Steps in which fix dcm/osmosis has marked faces of the cell count; both daughters are polar and
+    at the lumen from their birth on as any cell of the group is."""
+    tissue = Tissue(scenes)
+    lumen = (
+        "fix polar all dcm/polarity seed 3 init toward 0 0 0 every 1\n"
+        "fix osm all dcm/osmosis pressure 0.05 marks flood secrete cholangio "
+        "starter 0 0 0 8 1e9 every 4\n"
+    )
+    deck = tissue.deck("area 0.001 time 20", CYCLE + 5, lumen=None, motion=tissue.scene.motion())
+    deck = deck.replace("fix signal", lumen + "fix signal")
+    look = "compute marked all dcm/cell marked_area\n"
+    look += scenes.dump("id mol type c_marked", 1, file="marked.txt")
+    deck = deck.replace("timestep", look + "timestep")
+    result = lmp(deck, files=FILES)
+    count = 0
+    for frame, marks in zip(result.dump(), result.dump("marked.txt"), strict=True):
+        if frame.step >= CYCLE:
+            break
+        row = np.flatnonzero((marks["mol"] == 2) & (marks["type"] == 1))[0]
+        marked = marks["c_marked"][row] > 0.0
+        if frame.step > 0:
+            count = min(count + 1, 20) if marked or count == 20 else 0
+        assert cells(frame)[2][SIGNAL] == count
+    assert count == 20
+    last = result.dump()[-1]
+    assert all(types_of(last, m) == [*CHOLANGIOCYTE] for m in daughters(last, 2))
