@@ -114,6 +114,9 @@ class PairDCMContact : public Pair, public DCMRole {
   std::vector<double> sister_forces() const;
 
   const Counters &counters() const { return count; }
+
+  // does this atom type take part in contacts, now or as soon as it gets atoms? From init_style on
+  bool touches(int type) const { return types[type].active; }
   double h0() const { return h0_used; }
   double range() const { return range_used; }
 

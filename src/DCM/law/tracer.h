@@ -57,11 +57,12 @@ struct TracerFace {
 
 struct Tracer {
   static constexpr std::int64_t OUTSIDE = 0;
+  static constexpr int WEIGHTS = 32768;    ///< sum of the three weights of a caught one
 
   Vec3 x = Vec3::Zero();
   std::int64_t home = OUTSIDE;    ///< cell it is in
   int host = -1;                  ///< >= 0: caught between surfaces that closed, rides on this face
-  double weight[2] = {0.0, 0.0};    ///< caught: of the face's second and third corner
+  int weight[2] = {0, 0};         ///< caught: of the face's second and third corner
 };
 
 /// What has happened to tracers.
@@ -333,16 +334,21 @@ template <class Faces> class TracerWalk {
                p = side.point - face.corner[0];
     const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), pu = p.dot(u), pv = p.dot(v);
     const double det = uu * vv - uv * uv;
-    t.weight[0] = det > 0.0 ? std::clamp((vv * pu - uv * pv) / det, 0.0, 1.0) : 0.0;
-    t.weight[1] = det > 0.0 ? std::clamp((uu * pv - uv * pu) / det, 0.0, 1.0 - t.weight[0]) : 0.0;
+    const double second = det > 0.0 ? (vv * pu - uv * pv) / det : 0.0;
+    const double third = det > 0.0 ? (uu * pv - uv * pu) / det : 0.0;
+    const int all = Tracer::WEIGHTS;    // whole numbers: kept exactly by any file
+    t.weight[0] = std::clamp(int(std::lround(second * all)), 0, all);
+    t.weight[1] = std::clamp(int(std::lround(third * all)), 0, all - t.weight[0]);
     t.x = ridden(t);
   }
 
   Vec3 ridden(const Tracer &t)
   {
     const TracerFace &face = faces[t.host];
-    return (1.0 - t.weight[0] - t.weight[1]) * face.corner[0] + t.weight[0] * face.corner[1] +
-        t.weight[1] * face.corner[2];
+    const double unit = 1.0 / Tracer::WEIGHTS, second = unit * t.weight[0],
+                 third = unit * t.weight[1];
+    return (1.0 - second - third) * face.corner[0] + second * face.corner[1] +
+        third * face.corner[2];
   }
 
   // free again where the point above the face is outside all cells
