@@ -157,6 +157,19 @@ void AtomVecDCM::data_atom_post(int ilocal)
                    data->vertex[ilocal][k]);
       data->vertex[ilocal][k] -= tag;
     }
+  } else if (kind == TRACER) {
+    for (int k = 0; k < 3; k++)
+      if (data->vertex[ilocal][k] < 0)
+        error->one(FLERR,
+                   "Atom style dcm: tracer {} has {} {}, must not be negative (home: molecule ID of "
+                   "the cell it is in, 0 outside; host and place on it: 0 unless it is caught)",
+                   tag, k == HOME ? "home" : k == HOST ? "host" : "place on its host",
+                   data->vertex[ilocal][k]);
+    if (atom->molecule[ilocal] != 0)
+      error->one(FLERR,
+                 "Atom style dcm: tracer {} has molecule ID {}, must be 0: it is no part of a cell; "
+                 "the cell it is in is its home, in the place of the first vertex",
+                 tag, atom->molecule[ilocal]);
   }
   atom->num_bond[ilocal] = 0;
   atom->num_dihedral[ilocal] = 0;
@@ -193,8 +206,9 @@ void AtomVecDCM::pack_data_post(int ilocal)
    names for compute property/atom
 ------------------------------------------------------------------------- */
 
-static const std::vector<std::string> PROPERTIES = {"kind",    "region",  "volume0",
-                                                    "vertex1", "vertex2", "vertex3"};
+static const std::vector<std::string> PROPERTIES = {"kind",    "region",  "volume0", "vertex1",
+                                                    "vertex2", "vertex3", "home",    "host"};
+static constexpr int FIRST_VERTEX = 3, FIRST_TRACER = 6;
 
 int AtomVecDCM::property_atom(const std::string &name)
 {
@@ -215,8 +229,10 @@ void AtomVecDCM::pack_property_atom(int index, double *buf, int nvalues, int gro
       buf[n] = data->region[i];
     else if (index == 2)
       buf[n] = data->volume0[i];
-    else if (data->kind[i] == FACE)
-      buf[n] = (double) (data->vertex[i][index - 3] + atom->tag[i]);
+    else if (index < FIRST_TRACER && data->kind[i] == FACE)
+      buf[n] = (double) (data->vertex[i][index - FIRST_VERTEX] + atom->tag[i]);
+    else if (index >= FIRST_TRACER && data->kind[i] == TRACER)
+      buf[n] = (double) data->vertex[i][index - FIRST_TRACER];
   }
 }
 

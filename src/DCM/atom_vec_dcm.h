@@ -29,7 +29,8 @@ namespace LAMMPS_NS {
 struct DCMAtoms {
   int *kind = nullptr;          // one of AtomVecDCM::Kind
   int *region = nullptr;        // faces: one of AtomVecDCM::Region
-  tagint **vertex = nullptr;    // faces: vertex tag minus own tag, counter-clockwise from outside
+  tagint **vertex = nullptr;    // faces: vertex tag minus own tag, counter-clockwise from outside;
+                                // tracers: HOME, HOST, WEIGHTS
   double *volume0 = nullptr;    // centers: rest volume of the cell
   double **l0 = nullptr;        // per bond slot: rest length of the edge, < 0: not set yet
   double **theta0 = nullptr;    // per dihedral slot: rest angle of the hinge, > 4: not set yet
@@ -39,6 +40,10 @@ class AtomVecDCM : public AtomVec {
  public:
   enum Kind { SPHERE = 1, CENTER, NODE, FACE, TRACER };
   enum Region { LATERAL, POLAR, APICAL, JUNCTION, BASAL, NREGION };    // as in restart files
+
+  // numbers of a tracer in its row of `vertex`: molecule ID of the cell it is in (0: outside),
+  // atom ID of the face it is caught on (0: none), and where on it (fix dcm/tracer)
+  enum Tracer { HOME, HOST, WEIGHTS };
 
   static constexpr double UNSET_L0 = -1.0, UNSET_THETA0 = 10.0;
 

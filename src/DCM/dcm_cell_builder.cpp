@@ -131,6 +131,14 @@ void DCMCellBuilder::create(const Types &type, const Sphere &cell)
   if (i >= 0) atom->radius[i] = cell.radius;
 }
 
+void DCMCellBuilder::create(int type, const Tracer &tracer)
+{
+  const double rest[3] = {0.0, 0.0, 0.0};
+  const int i = create_atom(tracer.x.data(), type, AtomVecDCM::TRACER, tracer.tag, 0, tracer.mask,
+                            rest);
+  if (i >= 0) dcm->vertex[i][0] = tracer.home;
+}
+
 /* ----------------------------------------------------------------------
    tags of a cell: center, nodes in mesh order, faces in mesh order
 ------------------------------------------------------------------------- */

@@ -71,6 +71,12 @@ class DCMCellBuilder : protected Pointers {
     dcm::Vec3 x;
   };
 
+  struct Tracer {    // belongs to no molecule, so that it is no atom of a cell
+    tagint tag = 0, home = 0;    // home: molecule of the cell it is in, 0: outside
+    int mask = 1;
+    dcm::Vec3 x;
+  };
+
   // asking: the command or style, for messages; strict: atoms outside the box do not count (they
   // are an error of the caller's); else they belong to the nearest rank until the box follows
   DCMCellBuilder(class LAMMPS *, const std::string &asking, bool strict);
@@ -86,6 +92,7 @@ class DCMCellBuilder : protected Pointers {
 
   void create(const Types &, const Topology &, const Deformable &);
   void create(const Types &, const Sphere &);
+  void create(int type, const Tracer &);
 
  private:
   std::string asking;

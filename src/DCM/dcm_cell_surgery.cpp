@@ -236,6 +236,20 @@ void DCMCellSurgery::remove(const std::vector<tagint> &molecules)
   atom->nlocal = nbefore = n;
 }
 
+void DCMCellSurgery::remove_tracers(const std::vector<char> &doomed)
+{
+  int n = 0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (doomed[i]) {
+      expected[0] -= 1;
+      continue;
+    }
+    if (i != n) atom->avec->copy(i, n, 1);
+    n++;
+  }
+  atom->nlocal = nbefore = n;
+}
+
 /* ----------------------------------------------------------------------
    tags in use. Those of a deformable cell follow each other, the center's first, unless a data file
    says otherwise: then, and for atoms that belong to no cell, all ranks get them one by one.
@@ -284,12 +298,28 @@ void DCMCellSurgery::find_used()
   for (int i = 0; i < atom->nlocal; i++)
     if (cells[i] < 0 || count[cells[i]] != reach[cells[i]] + 1)
       loose.push_back({atom->tag[i], atom->tag[i]});
+  join(loose);
   loose = dcm_allgather(loose, world);
   used.insert(used.end(), loose.begin(), loose.end());
-  std::sort(used.begin(), used.end(), [](const Range &a, const Range &b) {
+  join(used);
+  have_used = true;
+}
+
+// sort, and make one of ranges that follow each other
+
+void DCMCellSurgery::join(std::vector<Range> &ranges)
+{
+  std::sort(ranges.begin(), ranges.end(), [](const Range &a, const Range &b) {
     return a.first < b.first;
   });
-  have_used = true;
+  size_t n = 0;
+  for (size_t m = 1; m < ranges.size(); m++) {
+    if (ranges[m].first == ranges[n].last + 1)
+      ranges[n].last = ranges[m].last;
+    else
+      ranges[++n] = ranges[m];
+  }
+  if (!ranges.empty()) ranges.resize(n + 1);
 }
 
 /* ----------------------------------------------------------------------
@@ -329,6 +359,21 @@ void DCMCellSurgery::insert(const DCMCellBuilder::Types &types, DCMCellBuilder::
   cell.tag = free_tags(1);
   builder.create(types, cell);
   if (comm->me == 0) expected[0] += 1;
+}
+
+void DCMCellSurgery::insert(int type, int mask, tagint home, const std::vector<Vec3> &tracers)
+{
+  if (tracers.empty()) return;
+  DCMCellBuilder::Tracer it;
+  it.tag = free_tags((tagint) tracers.size());
+  it.home = home;
+  it.mask = mask;
+  for (const Vec3 &x : tracers) {
+    it.x = x;
+    builder.create(type, it);
+    it.tag++;
+  }
+  if (comm->me == 0) expected[0] += (bigint) tracers.size();
 }
 
 /* ----------------------------------------------------------------------

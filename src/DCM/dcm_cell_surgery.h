@@ -60,6 +60,8 @@ class DCMCellSurgery : protected Pointers {
   void insert(const DCMCellBuilder::Types &, const DCMCellBuilder::Topology &,
               DCMCellBuilder::Deformable);
   void insert(const DCMCellBuilder::Types &, DCMCellBuilder::Sphere);
+  void insert(int type, int mask, tagint home, const std::vector<dcm::Vec3> &tracers);
+  void remove_tracers(const std::vector<char> &doomed);    // per atom of this rank
   void end();
 
   DCMCellBuilder builder;
@@ -83,6 +85,7 @@ class DCMCellSurgery : protected Pointers {
   bool have_used = false;
 
   void find_used();
+  static void join(std::vector<Range> &);
   tagint free_tags(tagint);
   void count(bigint *) const;
 };

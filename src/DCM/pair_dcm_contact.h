@@ -117,6 +117,9 @@ class PairDCMContact : public Pair, public DCMRole {
   bool has_cell_type(int type) const { return types[type].used; }
 
   const Counters &counters() const { return count; }
+
+  // does this atom type take part in contacts, now or as soon as it gets atoms? From init_style on
+  bool touches(int type) const { return types[type].active; }
   double h0() const { return h0_used; }
   double range() const { return range_used; }
 

@@ -227,14 +227,6 @@ void PairDCMContact::allow_types(int s, int t)
 
 void PairDCMContact::exclude_types()
 {
-  const bool tracers = traits_of_deck & HOLDS_TRACERS;
-  auto meets = [&](const TypeInfo &a, const TypeInfo &b) {
-    if (a.active && b.active) return true;
-    if (!tracers) return false;
-    return (a.kind == AtomVecDCM::TRACER && (b.kind == AtomVecDCM::FACE || b.kind == 0)) ||
-           (b.kind == AtomVecDCM::TRACER && (a.kind == AtomVecDCM::FACE || a.kind == 0));
-  };
-
   std::vector<std::pair<int, int>> now;
   for (int n = 0; n < neighbor->nex_type; n++)
     now.emplace_back(std::minmax(neighbor->ex1_type[n], neighbor->ex2_type[n]));
@@ -246,7 +238,7 @@ void PairDCMContact::exclude_types()
   for (int s = 1; s <= atom->ntypes; s++)
     for (int t = s; t <= atom->ntypes; t++) {
       const bool excluded = std::find(now.begin(), now.end(), std::make_pair(s, t)) != now.end();
-      const bool wanted = meets(types[s], types[t]);
+      const bool wanted = types[s].active && types[t].active;
       const auto mine = std::find(excluded_here.begin(), excluded_here.end(), std::make_pair(s, t));
       if (excluded && wanted && mine != excluded_here.end()) {
         allow_types(s, t);    // of an earlier run, before the type lost its atoms or took others
@@ -329,9 +321,5 @@ double PairDCMContact::init_one(int i, int j)
 {
   if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
   if (types[i].active && types[j].active) return types[i].promise + types[j].promise;
-  const bool tracer_face =
-      (types[i].kind == AtomVecDCM::TRACER && types[j].kind == AtomVecDCM::FACE) ||
-      (types[j].kind == AtomVecDCM::TRACER && types[i].kind == AtomVecDCM::FACE);
-  if (tracer_face && (traits_of_deck & HOLDS_TRACERS)) return types[i].promise + types[j].promise;
   return i == j ? bin_edge : 0.0;
 }
