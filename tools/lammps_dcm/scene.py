@@ -116,7 +116,7 @@ DUCT_SIZES = {
     "quick": dict(endothelium=7, rings=3, dcm_rings=1, sector=360.0),
     "full": dict(endothelium=16, rings=10, dcm_rings=3, sector=140.0),
     # for a lumen: a patch of deformable cells, three rings deep, in which it can open
-    "lumen": dict(endothelium=7, rings=4, dcm_rings=3, sector=76.0, cholangiocytes=3),
+    "lumen": dict(endothelium=7, rings=4, dcm_rings=3, sector=82.0, cholangiocytes=3),
     "lumen-full": dict(endothelium=16, rings=10, dcm_rings=3, sector=140.0, cholangiocytes=5),
 }
 
