@@ -26,7 +26,8 @@ enum class RandomPurpose : std::uint32_t {
   SHAPE = 5,
   QUIESCENCE = 6,
   DEATH = 7,
-  CONVERSION = 8
+  CONVERSION = 8,
+  POLARITY = 9
 };
 
 /// One block of Philox4x32 with 10 rounds: four random words from a counter and a key.

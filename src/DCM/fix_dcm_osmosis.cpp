@@ -1,0 +1,445 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "fix_dcm_osmosis.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_args.h"
+#include "dcm_compat.h"
+#include "dcm_record.h"
+#include "domain.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "force.h"
+#include "group.h"
+#include "input.h"
+#include "memory.h"
+#include "modify.h"
+#include "pair_dcm_contact.h"
+#include "update.h"
+#include "variable.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using dcm::vec;
+using dcm::Vec3;
+
+static const char STYLE[] = "Fix dcm/osmosis";
+static constexpr int RECORD = 1;    // version of the restart record
+static constexpr double FOREVER = std::numeric_limits<double>::infinity();
+
+/* ----------------------------------------------------------------------
+   fix ID group dcm/osmosis [pressure P|v_name [dilute V]] [solute rate R kT E [loss T] [least V]]
+       marks flood|tracer [secrete GROUP] [free theta] [range r] [weight free|full] [memory yes|no]
+       [slab x|y|z lo hi] [starter x y z r T | apical T] [ramp T] [every N]
+------------------------------------------------------------------------- */
+
+FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), pressure(0.0), dilute(0.0), rate(0.0), kT(0.0), loss(FOREVER), least(1.0),
+    solute(false), tracers(false), memory_kept(false), weigh_free(true), theta(0.05), range(0.0),
+    secrete_bit(groupbit), axis(-1), lo(0.0), hi(0.0), ramp(0.0), starter(NO_STARTER),
+    point{0.0, 0.0, 0.0}, radius(0.0), starting(0.0), now(), cell(nullptr), contact(nullptr),
+    graph(lmp, STYLE), tracer(nullptr), mark(nullptr), whole(nullptr), acting(0.0), worked(0.0),
+    measured(false), wall(0.0), net(0.0)
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+  nevery = 10;
+
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
+               {"pressure", "dilute", "solute", "marks", "secrete", "free", "range", "weight",
+                "memory", "slab", "starter", "ramp", "every"});
+  bool has_pressure = false, has_marks = false;
+  while (args.next()) {
+    if (args.is("pressure")) {
+      has_pressure = true;
+      if (args.ahead() && strncmp(args.ahead(), "v_", 2) == 0)
+        variable = args.variable();
+      else
+        pressure = args.number();
+    } else if (args.is("dilute")) {
+      dilute = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("solute")) {
+      solute = true;
+      args.need(4);
+      if (!args.word("rate")) error->all(FLERR, "{}: solute needs 'rate R kT E'", STYLE);
+      rate = args.number(DCMArgs::NONNEGATIVE, "solute rate");
+      if (!args.word("kT")) error->all(FLERR, "{}: solute needs 'rate R kT E'", STYLE);
+      kT = args.number(DCMArgs::POSITIVE, "solute kT");
+      if (args.word("loss")) loss = args.number(DCMArgs::POSITIVE, "solute loss");
+      if (args.word("least")) least = args.number(DCMArgs::POSITIVE, "solute least");
+    } else if (args.is("marks")) {
+      has_marks = true;
+      tracers = args.choose({"flood", "tracer"}) == 1;
+    } else if (args.is("secrete")) {
+      secretes = args.text();
+    } else if (args.is("free")) {
+      theta = args.number(DCMArgs::POSITIVE);
+      args.check(theta <= dcm::MARK_FALLS, "above 0 and at most 0.5, where marks fall");
+    } else if (args.is("range")) {
+      range = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("weight")) {
+      weigh_free = args.choose({"free", "full"}) == 0;
+    } else if (args.is("memory")) {
+      memory_kept = args.choose({"no", "yes"}) == 1;
+    } else if (args.is("slab")) {
+      args.need(3);
+      axis = args.axis();
+      lo = args.number(DCMArgs::ANY, "slab lo");
+      hi = args.number(DCMArgs::ANY, "slab hi");
+      if (!(lo < hi))
+        error->all(FLERR, "{}: slab from {} to {} is empty; give the lower bound first", STYLE, lo,
+                   hi);
+    } else if (args.is("starter")) {
+      parse_starter(args);
+    } else if (args.is("ramp")) {
+      ramp = args.number(DCMArgs::NONNEGATIVE);
+    } else {
+      nevery = (int) args.whole();
+    }
+  }
+  if (!has_pressure && !solute)
+    error->all(FLERR, "{}: give 'pressure P', 'solute rate R kT E' or both", STYLE);
+  if (!has_marks) error->all(FLERR, "{}: add 'marks flood' or 'marks tracer'", STYLE);
+  if (dilute > 0.0 && !has_pressure)
+    error->all(FLERR, "{}: keyword dilute needs keyword pressure", STYLE);
+  if (pressure < 0.0 && comm->me == 0)
+    error->warning(FLERR, "{}: pressure is {}, which sucks lumens shut", STYLE, pressure);
+
+  now.born = now.begun = now.counted = -1.0;
+  now.due = 1;
+  scalar_flag = vector_flag = 1;
+  size_vector = 9;
+  extscalar = extvector = 0;
+  global_freq = 1;
+  virial_global_flag = virial_peratom_flag = 1;
+  thermo_virial = 1;
+  comm_forward = 1;
+  restart_global = restart_peratom = 1;
+  create_attribute = 1;
+  maxexchange = 1;
+  FixDCMOsmosis::grow_arrays(atom->nmax);
+  atom->add_callback(Atom::GROW);
+  atom->add_callback(Atom::RESTART);
+  for (int i = 0; i < atom->nlocal; i++) FixDCMOsmosis::set_arrays(i);
+}
+
+FixDCMOsmosis::~FixDCMOsmosis()
+{
+  if (copymode) return;
+  atom->delete_callback(id, Atom::GROW);
+  atom->delete_callback(id, Atom::RESTART);
+  memory->destroy(mark);
+  memory->destroy(whole);
+}
+
+void FixDCMOsmosis::parse_starter(DCMArgs &args)
+{
+  if (args.word("apical")) {
+    starter = APICAL;
+  } else {
+    args.need(5);
+    starter = AT_POINT;
+    for (double &x : point) x = args.number(DCMArgs::ANY, "starter point");
+    radius = args.number(DCMArgs::POSITIVE, "starter radius");
+  }
+  starting = args.number(DCMArgs::POSITIVE, "starter time");
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixDCMOsmosis::setmask()
+{
+  return INITIAL_INTEGRATE | PRE_REVERSE;
+}
+
+void FixDCMOsmosis::init()
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+  cell = FixDCMCell::require(lmp, STYLE);
+  graph.init();
+  contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
+  auto &table = cell->change_cells();
+  marked_area = table.add(STYLE, "marked_area", DCMColumn::RESET, 0.0, {}, marked_area);
+  joined = table.add(STYLE, "secretes_since", DCMColumn::INHERIT, -1.0, {}, joined);
+  secrete_bit =
+      secretes.empty() ? groupbit : dcm_find_group(lmp, std::string(STYLE) + ": secrete", secretes);
+  if (!variable.empty()) {
+    const int ivar = input->variable->find(variable.c_str());
+    if (ivar < 0 || !input->variable->equalstyle(ivar))
+      error->all(FLERR, "{}: there is no equal-style variable {}", STYLE, variable);
+  }
+
+  tracer = nullptr;
+  makers.clear();
+  for (auto *const fix : modify->get_fix_list()) {
+    auto *const role = dynamic_cast<DCMRole *>(fix);
+    if (role && (role->traits() & HOLDS_TRACERS)) tracer = role;
+    if (role && (role->traits() & MAKES_CELLS)) makers.push_back(fix);
+  }
+  if (tracers && !tracer)
+    error->all(FLERR,
+               "{}: marks tracer needs tracers; add a fix dcm/tracer before it, or use marks flood",
+               STYLE);
+  check_before_motion(lmp, this, STYLE);
+  for (const char *const style : {"dcm/growth", "dcm/division", "dcm/death", "dcm/convert",
+                                  "dcm/polarity", "dcm/tracer"})
+    check_after(lmp, this, STYLE, style);
+}
+
+/* ----------------------------------------------------------------------
+   errors before the first step. Later cells may die or change
+------------------------------------------------------------------------- */
+
+void FixDCMOsmosis::check_start()
+{
+  graph.check_cutoff(range);
+  if (now.started) return;
+  const auto &table = cell->cells();
+  bool any = false, source = starter == AT_POINT;
+  for (const int row : table.all_deformable()) {
+    any = any || acts_on(row);
+    source = source || (starter == AT_POINT ? acts_on(row) : secreting(row));
+  }
+  if (!any)
+    error->all(FLERR, "{}: no deformable cell has its center in group {}", STYLE,
+               group->names[igroup]);
+  if (tracers) return;
+  if (!source)
+    error->all(FLERR, "{}: no deformable cell secretes; none has its center in group {}", STYLE,
+               secretes.empty() ? group->names[igroup] : secretes.c_str());
+  int field, apical = starter == AT_POINT || table.column("ax", field) != nullptr;
+  for (int f = 0; f < cell->nowned(); f++)
+    if (dcm->region[cell->faces()[f].atom] == AtomVecDCM::APICAL) apical = 1;
+  MPI_Allreduce(MPI_IN_PLACE, &apical, 1, MPI_INT, MPI_MAX, world);
+  if (!apical)
+    error->all(FLERR,
+               "{}: marks flood begins at apical faces, and no face is apical; add a fix "
+               "dcm/polarity before it",
+               STYLE);
+}
+
+/* ----------------------------------------------------------------------
+   marks are looked for in the first setup of all, never in that of a run that goes on
+------------------------------------------------------------------------- */
+
+void FixDCMOsmosis::setup_pre_reverse(int eflag, int vflag)
+{
+  check_start();
+  if (!now.started) {
+    now.born = cell->cells().time();
+    look();
+    now.started = now.due = 1;
+  }
+  const double before = worked;
+  pre_reverse(eflag, vflag);
+  worked = before;    // nothing has moved
+}
+
+/* ----------------------------------------------------------------------
+   half of the work of the coming step, by the marks and forces it begins with
+------------------------------------------------------------------------- */
+
+void FixDCMOsmosis::initial_integrate(int /*vflag*/)
+{
+  worked += 0.5 * update->dt * power();
+  if (now.due || update->ntimestep % nevery == 0) look();
+  for (const auto *const fix : makers)
+    if (fix->force_reneighbor && fix->next_reneighbor == update->ntimestep) {
+      take_snapshot();
+      break;
+    }
+}
+
+/* ----------------------------------------------------------------------
+   area of a face that the pressure acts on: a contact that grows takes it off little by little
+------------------------------------------------------------------------- */
+
+double FixDCMOsmosis::free_part(int f) const
+{
+  const int i = cell->faces()[f].atom;
+  if (!mark[i]) return 0.0;
+  const double area = cell->area(f);
+  return weigh_free && !whole[i] ? std::max(0.0, area - contact->contact_area()[i]) : area;
+}
+
+/* ----------------------------------------------------------------------
+   faces move with the mean of their vertices
+------------------------------------------------------------------------- */
+
+double FixDCMOsmosis::power() const
+{
+  double sum = 0.0;
+  if (acting == 0.0) return sum;
+  const double *const normals = cell->normals();
+  for (int f = 0; f < cell->nowned(); f++) {
+    const double part = free_part(f);
+    if (part == 0.0) continue;
+    const Vec3 third = dcm::lumen_force(acting, part, vec(&normals[3 * (size_t) f]));
+    sum += 3.0 * third.dot(vec(atom->v[cell->faces()[f].atom]));
+  }
+  return sum;
+}
+
+/* ----------------------------------------------------------------------
+   on nodes, ghosts included, before forces are summed; the virial is taken about the center of the
+   cell, as that of fix dcm/volume
+------------------------------------------------------------------------- */
+
+void FixDCMOsmosis::pre_reverse(int /*eflag*/, int vflag)
+{
+  v_init(vflag);
+  if (!newborn.empty()) inherit();
+  measured = false;
+  evaluate_pressure();
+  if (acting == 0.0) return;
+  double **x = atom->x, **force = atom->f;
+  const double *const normals = cell->normals();
+  for (int f = 0; f < cell->nowned(); f++) {
+    const double part = free_part(f);
+    if (part == 0.0) continue;
+    const auto &face = cell->faces()[f];
+    const Vec3 third = dcm::lumen_force(acting, part, vec(&normals[3 * (size_t) f]));
+    for (const int v : face.v) vec(force[v]) += third;
+    if (evflag)
+      for (const int v : face.v) tally(face.atom, x[v], cell->cells()[face.cell].x, third.data());
+  }
+  worked += 0.5 * update->dt * power();
+}
+
+void FixDCMOsmosis::tally(int i, const double *xi, const double *center, const double *fi)
+{
+  double d[3] = {xi[0] - center[0], xi[1] - center[1], xi[2] - center[2]};
+  dcm_minimum_image(domain, d[0], d[1], d[2]);
+  double v[6] = {d[0] * fi[0], d[1] * fi[1], d[2] * fi[2],
+                 d[0] * fi[1], d[0] * fi[2], d[1] * fi[2]};
+  v_tally(i, v);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMOsmosis::evaluate_pressure()
+{
+  if (dilute > 0.0 || solute) measure();
+  double P = pressure;
+  if (!variable.empty()) {
+    modify->clearstep_compute();
+    P = input->variable->compute_equal(input->variable->find(variable.c_str()));
+    modify->addstep_compute(update->ntimestep + 1);
+    if (!std::isfinite(P))
+      error->all(FLERR, "{}: variable {} gives the pressure {} at step {}; it must be a number",
+                 STYLE, variable, P, update->ntimestep);
+  }
+  if (ramp > 0.0) {
+    const double since = now.begun < 0.0 ? 0.0 : cell->cells().time() - now.begun;
+    P *= std::min(1.0, since / ramp);
+  }
+  if (dilute > 0.0 && sums.volume > dilute) P *= dilute / sums.volume;
+  if (solute && now.nfaces > 0) P += dcm::osmotic_pressure(now.amount, kT, sums.volume, least);
+  acting = P;
+}
+
+/* ----------------------------------------------------------------------
+   the marked faces as they are now: volume, closure, net force; collective
+------------------------------------------------------------------------- */
+
+void FixDCMOsmosis::measure()
+{
+  if (measured) return;
+  measured = true;
+  double **x = atom->x;
+  dcm::LumenSums mine;
+  Vec3 push = Vec3::Zero();
+  double area = 0.0;
+  for (int f = 0; f < cell->nowned(); f++) {
+    const auto &face = cell->faces()[f];
+    if (!mark[face.atom]) continue;
+    double d[3];
+    for (int k = 0; k < 3; k++) d[k] = x[face.v[0]][k] - now.center[k];
+    dcm_minimum_image(domain, d[0], d[1], d[2]);
+    const Vec3 a = vec(d), b = a + (vec(x[face.v[1]]) - vec(x[face.v[0]])),
+               c = a + (vec(x[face.v[2]]) - vec(x[face.v[0]]));
+    if (axis < 0) {
+      dcm::add_face(mine, a, b, c);
+    } else {
+      dcm::add_face_in_slab(mine, a, b, c, axis, lo - now.center[axis], hi - now.center[axis]);
+    }
+    area += cell->area(f);
+    push += free_part(f) * vec(&cell->normals()[3 * (size_t) f]);
+  }
+  double values[9] = {mine.volume, mine.area, area};
+  vec(&values[3]) = mine.area_vector;
+  vec(&values[6]) = push;
+  MPI_Allreduce(MPI_IN_PLACE, values, 9, MPI_DOUBLE, MPI_SUM, world);
+  sums = dcm::LumenSums();
+  sums.volume = values[0];
+  sums.area = values[1];
+  sums.area_vector = vec(&values[3]);
+  wall = values[2];
+  net = vec(&values[6]).norm();
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMOsmosis::write_restart(FILE *fp)
+{
+  now.work = compute_scalar();    // on all processes: what they sum up begins anew
+  worked = 0.0;
+  if (comm->me != 0) return;
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.put(now);
+  record.write(fp);
+}
+
+void FixDCMOsmosis::restart(char *buf)
+{
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.load(buf);
+  record.get(now);
+}
+
+/* ----------------------------------------------------------------------
+   work that the pressure has done
+------------------------------------------------------------------------- */
+
+double FixDCMOsmosis::compute_scalar()
+{
+  double all;
+  MPI_Allreduce(&worked, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return now.work + all;
+}
+
+/* ----------------------------------------------------------------------
+   marked area, faces, cells; volume, pressure, net force, closure; area of lost marks, solute
+------------------------------------------------------------------------- */
+
+double FixDCMOsmosis::compute_vector(int n)
+{
+  if (!now.started) return 0.0;
+  measure();
+  const double values[] = {wall,   (double) now.nfaces,    (double) now.ncells,
+                           sums.volume, acting,            std::fabs(acting) * net,
+                           sums.closure(), now.lost,       now.amount};
+  return values[n];
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixDCMOsmosis::memory_usage()
+{
+  return 2.0 * atom->nmax * sizeof(int) + (double) state.capacity() * sizeof(int) +
+         graph.memory_usage();
+}
