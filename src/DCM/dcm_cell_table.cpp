@@ -393,10 +393,11 @@ void DCMCellTable::converted(tagint molecule, int type, bool deformable, double 
   for (auto *const role : DCMRole::of(lmp)) role->cell_converted(row, before);
 }
 
-void DCMCellTable::retyped(tagint molecule, int type)
+void DCMCellTable::retyped(tagint molecule, int type, int mask)
 {
   const int row = require(molecule), before = cells[row].type;
   cells[row].type = type;
+  cells[row].mask = mask;
   for (auto *const role : DCMRole::of(lmp)) role->cell_retyped(row, before);
 }
 

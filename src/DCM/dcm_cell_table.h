@@ -160,7 +160,7 @@ class DCMCellTable : protected Pointers {
   void divided(tagint mother, tagint daughter1, tagint daughter2, double volume);
   void removed(tagint molecule);
   void converted(tagint molecule, int type, bool deformable, double volume0);
-  void retyped(tagint molecule, int type);
+  void retyped(tagint molecule, int type, int mask);    // of its center
 
   // ---- for fix dcm/cell alone
 

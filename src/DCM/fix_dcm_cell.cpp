@@ -18,6 +18,7 @@
 #include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "dcm_rest_file.h"
+#include "dcm_retype.h"
 #include "law/volume.h"
 #include "domain.h"
 #include "error.h"
@@ -288,6 +289,10 @@ double FixDCMCell::memory_usage()
 
 int FixDCMCell::modify_param(int narg, char **arg)
 {
+  if (strcmp(arg[0], "retype") == 0) {
+    dcm_retype_cells(lmp, this, narg - 1, arg + 1);
+    return narg;
+  }
   const bool writing = strcmp(arg[0], "rest/write") == 0;
   if (!writing && strcmp(arg[0], "rest/read") != 0) return 0;
   if (narg < 2) error->all(FLERR, "Fix_modify {} {} needs a file name", id, arg[0]);

@@ -218,7 +218,8 @@ void FixDCMDivision::insert(DCMCellSurgery &surgery, Job &job)
             job.daughter[1].volume, job.daughter[0].iterations + job.daughter[1].iterations);
   cell->change_cells().divided(job.mother.molecule, molecule[0], molecule[1], job.volume);
   if (types.center == job.mother.types.center) return;
-  for (const tagint it : molecule) cell->change_cells().retyped(it, types.center);
+  for (const tagint it : molecule)
+    cell->change_cells().retyped(it, types.center, daughter.mask.center);
 }
 
 /* ----------------------------------------------------------------------

@@ -197,15 +197,19 @@ void FixDCMGrowth::enroll()
   cell->refresh();
   auto &table = cell->change_cells();
   table.require_ids(STYLE);
-  for (int row = 0; row < (int) table.all().size(); row++) {
-    const auto &it = table[row];
-    Cycle mine = cycles->load<Cycle>(row);
-    const bool wanted = (it.mask & groupbit) && parameters->used(it.type);
-    if (wanted == (mine.member > 0.0)) continue;
-    mine = wanted ? newcomer(row) : Cycle();
-    if (!wanted && it.phase != DCMCellTable::DYING) table.set_phase(row, DCMCellTable::QUIESCENT);
-    cycles->store(row, mine);
-  }
+  for (int row = 0; row < (int) table.all().size(); row++) enroll(row);
+}
+
+void FixDCMGrowth::enroll(int row)
+{
+  auto &table = cell->change_cells();
+  const auto &it = table[row];
+  Cycle mine = cycles->load<Cycle>(row);
+  const bool wanted = (it.mask & groupbit) && parameters->used(it.type);
+  if (wanted == (mine.member > 0.0)) return;
+  mine = wanted ? newcomer(row) : Cycle();
+  if (!wanted && it.phase != DCMCellTable::DYING) table.set_phase(row, DCMCellTable::QUIESCENT);
+  cycles->store(row, mine);
 }
 
 /* ----------------------------------------------------------------------
@@ -397,7 +401,10 @@ void FixDCMGrowth::cell_divided(const DCMCellTable::Division &division)
     mine.progress = 0.0;
     mine.length = 1.0;
     mine.pressure_before = mine.pressure = 0.0;
-    draw_cycle(row, mine);
+    if (parameters->used(cell->cells()[row].type))
+      draw_cycle(row, mine);
+    else
+      mine = Cycle();    // the mother has changed to a type that does not grow
     cycles->store(row, mine);
     births++;
   }
@@ -412,6 +419,25 @@ void FixDCMGrowth::cell_converted(int row, double volume0_before)
 {
   Cycle mine = cycles->load<Cycle>(row);
   mine.born *= cell->cells()[row].volume0 / volume0_before;
+  cycles->store(row, mine);
+}
+
+/* ----------------------------------------------------------------------
+   the new type's cycle time, at the same place in the cycle; a cell that rounds up already divides
+   as it would have, and its daughters take theirs
+------------------------------------------------------------------------- */
+
+void FixDCMGrowth::cell_retyped(int row, int /*type_before*/)
+{
+  if (!cycles) return;    // between runs, before the first
+  const auto &it = cell->cells()[row];
+  Cycle mine = cycles->load<Cycle>(row);
+  if (mine.member > 0.0 &&
+      (it.phase == DCMCellTable::ROUNDING || it.phase == DCMCellTable::READY))
+    return;
+  enroll(row);
+  if (!(mine.member > 0.0) || !((*cycles)(row) > 0.0)) return;
+  draw_cycle(row, mine);
   cycles->store(row, mine);
 }
 

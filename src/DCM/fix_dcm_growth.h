@@ -52,6 +52,7 @@ class FixDCMGrowth : public Fix, public DCMRole {
   void cell_divided(const DCMCellTable::Division &) override;
   void cell_removed(int) override;
   void cell_converted(int, double) override;
+  void cell_retyped(int, int) override;
 
  private:
   struct Cycle {        // of one cell, all doubles: the column's numbers, in this order
@@ -86,6 +87,7 @@ class FixDCMGrowth : public Fix, public DCMRole {
 
   void parse_keyword(class DCMArgs &);
   void enroll();
+  void enroll(int row);
   Cycle newcomer(int row);
   void draw_cycle(int row, Cycle &);
   void hold_fractions();

@@ -113,6 +113,9 @@ class PairDCMContact : public Pair, public DCMRole {
   // set_sisters()
   std::vector<double> sister_forces() const;
 
+  // does the atom type have a cell type, so that its faces or spheres touch others
+  bool has_cell_type(int type) const { return types[type].used; }
+
   const Counters &counters() const { return count; }
   double h0() const { return h0_used; }
   double range() const { return range_used; }

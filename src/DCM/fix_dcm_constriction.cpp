@@ -1,0 +1,390 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#include "fix_dcm_constriction.h"
+
+#include "atom.h"
+#include "atom_vec_dcm.h"
+#include "comm.h"
+#include "dcm_args.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using dcm::ConstrictedEdge;
+
+static const char STYLE[] = "Fix dcm/constriction";
+
+/* ----------------------------------------------------------------------
+   fix ID group dcm/constriction [cap d1] [ribbon d2] [ramp T] [when lumen|born|time t]
+       [release yes|no] [every N]
+------------------------------------------------------------------------- */
+
+FixDCMConstriction::FixDCMConstriction(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), cap(0.7), ribbon(0.5), ramp(300.0), when(LUMEN), when_time(0.0),
+    release(true), dcm(AtomVecDCM::require(lmp, STYLE)), cell(nullptr)
+{
+  nevery = 1;
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
+               {"cap", "ribbon", "ramp", "when", "release", "every"});
+  while (args.next()) {
+    if (args.is("cap") || args.is("ribbon")) {
+      double &factor = args.is("cap") ? cap : ribbon;
+      factor = args.number(DCMArgs::POSITIVE);
+      args.check(factor <= 1.0, "above 0 and at most 1");
+    } else if (args.is("ramp")) {
+      ramp = args.number(DCMArgs::NONNEGATIVE);
+    } else if (args.is("when")) {
+      when = (When) args.choose({"lumen", "born", "time"}, "lumen, born or time t");
+      if (when == TIME) when_time = args.number(DCMArgs::ANY, "when time");
+    } else if (args.is("release")) {
+      release = args.choose({"no", "yes"}) == 1;
+    } else {
+      nevery = (int) args.whole();
+    }
+  }
+
+  vector_flag = 1;
+  size_vector = 4;
+  extvector = 0;
+  global_freq = 1;
+  restart_peratom = 1;
+  create_attribute = 1;    // atoms that come in a run begin with empty slots
+  FixDCMConstriction::grow_arrays(atom->nmax);
+  atom->add_callback(Atom::GROW);
+  atom->add_callback(Atom::RESTART);
+}
+
+/* ----------------------------------------------------------------------
+   cells that nothing constricts any more are as they were without it
+------------------------------------------------------------------------- */
+
+FixDCMConstriction::~FixDCMConstriction()
+{
+  for (int i = 0; i < atom->nlocal; i++)
+    for (int m = 0; m < nslots(i); m++) {
+      auto &length = slots[(size_t) i * width + m].length;
+      if (length.factor > 0.0) dcm->l0[i][m] = length.at(0.0, dcm->l0[i][m]);
+    }
+  atom->delete_callback(id, Atom::GROW);
+  atom->delete_callback(id, Atom::RESTART);
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixDCMConstriction::setmask()
+{
+  return INITIAL_INTEGRATE;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMConstriction::init()
+{
+  dcm = AtomVecDCM::require(lmp, STYLE);
+  cell = FixDCMCell::require(lmp, STYLE);
+  adjacency = cell->request_adjacency();
+  auto &table = cell->change_cells();
+  since = table.add(STYLE, "constricted", DCMColumn::RESET, -1.0, {}, since);
+  share = table.add(STYLE, "constriction", DCMColumn::RESET, 0.0, {}, share);
+  widen();
+  maxexchange = 1 + NSLOT * width;
+
+  check_before_motion(lmp, this, STYLE);
+  check_after(lmp, this, STYLE, "dcm/growth");
+  check_after(lmp, this, STYLE, "dcm/polarity");
+  if (ramp < update->dt && !warned) {
+    warned = true;
+    if (comm->me == 0)
+      error->warning(FLERR,
+                     "{}: ramp is {:.6g}, shorter than the timestep {:.6g}: rest lengths jump to "
+                     "{:.6g} (ribbon) and {:.6g} (cap) of what they were in one step; use a ramp "
+                     "of many steps",
+                     STYLE, ramp, update->dt, ribbon, cap);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   other styles add their columns in init(), also after this one
+------------------------------------------------------------------------- */
+
+void FixDCMConstriction::setup(int /*vflag*/)
+{
+  if (when != LUMEN) return;
+  marked = cell->cells().column("marked_area", marked_field);
+  if (!marked)
+    error->all(FLERR,
+               "{}: nothing marks the faces at a lumen, so that no cell would ever constrict; add "
+               "a fix dcm/osmosis, or use 'when born' or 'when time t'",
+               STYLE);
+}
+
+/* ----------------------------------------------------------------------
+   after fix dcm/growth, whose phases of this step count: a cell that divides in it has its own rest
+   lengths again
+------------------------------------------------------------------------- */
+
+void FixDCMConstriction::initial_integrate(int /*vflag*/)
+{
+  if (update->ntimestep % nevery == 0) begin_cells();
+  if (advance()) write_lengths();
+}
+
+/* ----------------------------------------------------------------------
+   cells that have not constricted yet, and do now if they have edges that can
+------------------------------------------------------------------------- */
+
+bool FixDCMConstriction::turn_of(const DCMCellTable::Cell &it, int row) const
+{
+  if ((*since)(row) >= 0.0 || !(it.mask & groupbit)) return false;
+  if (it.phase == DCMCellTable::DYING) return false;
+  if (release && (it.phase == DCMCellTable::ROUNDING || it.phase == DCMCellTable::READY))
+    return false;
+  if (when == LUMEN) return (*marked)(row, marked_field) > 0.0;
+  return when == BORN || cell->cells().time() >= when_time;
+}
+
+void FixDCMConstriction::begin_cells()
+{
+  const auto &table = cell->cells();
+  bool any = false;
+  found.assign(table.size(), -1.0);    // -1: no candidate
+  for (const int row : table.all_deformable()) {
+    if (!turn_of(table[row], row)) continue;
+    found[row] = 0.0;
+    any = true;
+  }
+  if (!any) return;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::NODE) continue;
+    const int row = cell->cell_of(i);
+    if (found[row] >= 0.0) found[row] += choose_edges(i, table[row]);
+  }
+  for (double &edges : found) edges = std::max(edges, 0.0);
+  cell->sum(found, 1);
+  for (const int row : table.all_deformable()) {
+    if (!(found[row] > 0.0)) continue;
+    (*since)(row) = table.time();
+    (*share)(row) = 0.0;
+  }
+}
+
+/* ----------------------------------------------------------------------
+   edges that node i stores
+------------------------------------------------------------------------- */
+
+int FixDCMConstriction::choose_edges(int i, const DCMCellTable::Cell &it)
+{
+  int n = 0;
+  for (int m = 0; m < atom->num_bond[i]; m++) {
+    const int j = atom->map(atom->bond_atom[i][m]);
+    const auto two = j < 0 ? std::array<int, 2>{-1, -1} : cell->faces_of_edge(i, j);
+    if (two[0] < 0 || two[1] < 0)
+      error->one(FLERR,
+                 "{}: a face at the edge of atoms {} and {} (cell {}) is not known to the process "
+                 "of atom {} at step {}; raise 'comm_modify cutoff' to more than two edges",
+                 STYLE, atom->tag[i], atom->bond_atom[i][m], it.molecule, atom->tag[i],
+                 update->ntimestep);
+    const auto edge = dcm::constricted_edge<int>(dcm->region[cell->faces()[two[0]].atom],
+                                                 dcm->region[cell->faces()[two[1]].atom],
+                                                 AtomVecDCM::JUNCTION, AtomVecDCM::APICAL);
+    Slot &slot = slots[(size_t) i * width + m];
+    slot = Slot();
+    if (edge == ConstrictedEdge::NONE) continue;
+    slot.edge = (double) edge;
+    slot.length.factor = edge == ConstrictedEdge::RIBBON ? ribbon : cap;
+    slot.length.base = slot.length.written = dcm->l0[i][m];
+    n++;
+  }
+  return n;
+}
+
+/* ----------------------------------------------------------------------
+   constricted cells: the ramp, back while the cell rounds up, and at its end when it divides.
+   A cell begins at share 0 in the step in which its edges are chosen.
+------------------------------------------------------------------------- */
+
+bool FixDCMConstriction::advance()
+{
+  const auto &table = cell->cells();
+  const double step = update->dt / ramp;    // infinite: at once
+  bool any = false;
+  changed.assign(table.size(), 0);
+  for (const int row : table.all_deformable()) {
+    if ((*since)(row) < 0.0) continue;
+    double &mine = (*share)(row);
+    const int phase = table[row].phase;
+    double next = 0.0;
+    if (!release || phase != DCMCellTable::READY)
+      next = dcm::constriction_share(mine, step, !release || phase != DCMCellTable::ROUNDING);
+    if (next == mine) continue;
+    mine = next;
+    changed[row] = 1;
+    any = true;
+  }
+  return any;
+}
+
+void FixDCMConstriction::write_lengths()
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::NODE) continue;
+    const int row = cell->cell_of(i);
+    if (!changed[row]) continue;
+    for (int m = 0; m < atom->num_bond[i]; m++) {
+      auto &length = slots[(size_t) i * width + m].length;
+      if (length.factor > 0.0) dcm->l0[i][m] = length.at((*share)(row), dcm->l0[i][m]);
+    }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   edges go with the form; those of a cell that becomes deformable again are new
+------------------------------------------------------------------------- */
+
+void FixDCMConstriction::cell_converted(int row, double /*volume0_before*/)
+{
+  if (!since) return;
+  (*since)(row) = -1.0;
+  (*share)(row) = 0.0;
+}
+
+/* ----------------------------------------------------------------------
+   constricted cells; edges of theirs in the ribbon, in the cap; mean factor of these
+------------------------------------------------------------------------- */
+
+double FixDCMConstriction::compute_vector(int n)
+{
+  if (!since) return n == 3 ? 1.0 : 0.0;
+  const auto &table = cell->cells();
+  if (n == 0) {
+    double cells = 0.0;
+    for (const int row : table.all_deformable())
+      if ((*since)(row) >= 0.0) cells += 1.0;
+    return cells;
+  }
+  double sums[3] = {0.0, 0.0, 0.0};    // edges in the ribbon, in the cap; factors
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::NODE) continue;
+    for (int m = 0; m < atom->num_bond[i]; m++) {
+      const Slot &slot = slots[(size_t) i * width + m];
+      if (!(slot.length.factor > 0.0)) continue;
+      sums[slot.edge == (double) ConstrictedEdge::RIBBON ? 0 : 1] += 1.0;
+      sums[2] += dcm::constriction_factor(slot.length.factor, (*share)(cell->cell_of(i)));
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, world);
+  if (n < 3) return sums[n - 1];
+  const double edges = sums[0] + sums[1];
+  return edges > 0.0 ? sums[2] / edges : 1.0;
+}
+
+double FixDCMConstriction::memory_usage()
+{
+  return (double) slots.capacity() * sizeof(Slot);
+}
+
+/* ----------------------------------------------------------------------
+   per bond slot, with the atom that stores the bond
+------------------------------------------------------------------------- */
+
+void FixDCMConstriction::grow_arrays(int nmax)
+{
+  widen();
+  slots.resize((size_t) nmax * width);
+}
+
+// bond slots per atom may have become more since; then no atom has any yet, or few
+
+void FixDCMConstriction::widen()
+{
+  const int wanted = atom->bond_per_atom;
+  if (wanted <= width) return;
+  std::vector<Slot> before;
+  before.swap(slots);
+  slots.resize((size_t) atom->nmax * wanted);
+  for (size_t i = 0; width > 0 && (i + 1) * width <= before.size(); i++)
+    std::copy_n(before.begin() + i * width, width, slots.begin() + i * wanted);
+  width = wanted;
+}
+
+void FixDCMConstriction::copy_arrays(int i, int j, int /*delflag*/)
+{
+  std::copy_n(slots.begin() + (size_t) i * width, width, slots.begin() + (size_t) j * width);
+}
+
+void FixDCMConstriction::set_arrays(int i)
+{
+  widen();
+  std::fill_n(slots.begin() + (size_t) i * width, width, Slot());
+}
+
+// slots to be sent: all bonds of the atom, none if none of them constricts
+
+int FixDCMConstriction::nslots(int i) const
+{
+  const int n = std::min(atom->num_bond[i], width);
+  const auto first = slots.begin() + (size_t) i * width;
+  return std::any_of(first, first + n, [](const Slot &slot) {
+    return slot.length.factor > 0.0;
+  }) ? n : 0;
+}
+
+int FixDCMConstriction::pack_exchange(int i, double *buf)
+{
+  const int n = nslots(i);
+  buf[0] = n;
+  for (int m = 0; m < n; m++) {
+    const Slot &slot = slots[(size_t) i * width + m];
+    const double values[NSLOT] = {slot.edge, slot.length.factor, slot.length.base,
+                                  slot.length.written};
+    std::copy_n(values, NSLOT, buf + 1 + NSLOT * m);
+  }
+  return 1 + NSLOT * n;
+}
+
+int FixDCMConstriction::unpack_exchange(int i, double *buf)
+{
+  set_arrays(i);
+  const int n = (int) buf[0];
+  for (int m = 0; m < n; m++) {
+    const double *const values = buf + 1 + NSLOT * m;
+    slots[(size_t) i * width + m] = {values[0], {values[1], values[2], values[3]}};
+  }
+  return 1 + NSLOT * n;
+}
+
+int FixDCMConstriction::pack_restart(int i, double *buf)
+{
+  buf[0] = size_restart(i);
+  return 1 + pack_exchange(i, buf + 1);
+}
+
+void FixDCMConstriction::unpack_restart(int i, int nth)
+{
+  double *extra = atom->extra[i];
+  for (int n = 0; n < nth; n++) extra += (int) *extra;
+  unpack_exchange(i, extra + 1);
+}
+
+int FixDCMConstriction::size_restart(int i)
+{
+  return 2 + NSLOT * nslots(i);
+}
+
+int FixDCMConstriction::maxsize_restart()
+{
+  return 2 + NSLOT * atom->bond_per_atom;
+}

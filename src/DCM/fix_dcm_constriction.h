@@ -1,0 +1,98 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(dcm/constriction,FixDCMConstriction);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DCM_CONSTRICTION_H
+#define LMP_FIX_DCM_CONSTRICTION_H
+
+#include "dcm_cell_table.h"
+#include "dcm_request.h"
+#include "dcm_role.h"
+#include "fix.h"
+#include "law/constriction.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Apical constriction: once in its life, a cell shortens the rest lengths of the edges of its
+// junction ribbon and of its apical cap, and lets go when it rounds up to divide (S1 eqs 11-13).
+// Which edges, and their rest lengths without it, is kept per bond slot.
+
+class FixDCMConstriction : public Fix, public DCMRole {
+ public:
+  FixDCMConstriction(class LAMMPS *, int, char **);
+  ~FixDCMConstriction() override;
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void initial_integrate(int) override;
+  double compute_vector(int) override;
+  double memory_usage() override;
+
+  void cell_converted(int, double) override;
+
+  // what is kept per bond slot
+
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override;
+  void set_arrays(int) override;
+  int pack_exchange(int, double *) override;
+  int unpack_exchange(int, double *) override;
+  int pack_restart(int, double *) override;
+  void unpack_restart(int, int) override;
+  int size_restart(int) override;
+  int maxsize_restart() override;
+
+ private:
+  enum When { LUMEN, BORN, TIME };
+  struct Slot {
+    double edge = 0.0;    // a dcm::ConstrictedEdge
+    dcm::ConstrictedLength length = {0.0, 0.0, 0.0};
+  };
+  static constexpr int NSLOT = 4;    // numbers of a Slot in messages
+
+  double cap, ribbon, ramp;
+  When when;
+  double when_time;
+  bool release;
+
+  struct DCMAtoms *dcm;
+  class FixDCMCell *cell;
+  DCMRequest<> adjacency;
+  DCMCellTable::Handle since;    // per cell: time when it began, < 0: it has not
+  DCMCellTable::Handle share;    // of the ramp, 0 to 1
+  std::shared_ptr<const DCMColumn> marked;
+  int marked_field = 0;
+  bool warned = false;
+
+  int width = 0;              // slots per atom
+  std::vector<Slot> slots;    // of local atoms
+  std::vector<double> found;    // per row: edges of cells whose turn it may be
+  std::vector<char> changed;    // per row: its share of the ramp is another one
+
+  bool turn_of(const DCMCellTable::Cell &, int row) const;
+  void begin_cells();
+  int choose_edges(int i, const DCMCellTable::Cell &);
+  bool advance();
+  void write_lengths();
+  int nslots(int i) const;
+  void widen();
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
