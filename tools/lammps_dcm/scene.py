@@ -181,9 +181,9 @@ def duct(size="quick", endothelium=None, rings=None, dcm_rings=None, sector=None
     return with_cholangiocytes(cells, cholangiocytes) if cholangiocytes else cells
 
 
-def neighbors(cells):
-    """Triangles (t, 3) of cells that meet in a point of the plane z = 0 (Delaunay), without the
-    wide ones across voids and around the tissue."""
+def meeting_points(cells, apart=1.5):
+    """Triangles (t, 3) of cells that meet in a point of the plane z = 0 (Delaunay), without those
+    with two cells farther apart than `apart` times their summed radii."""
     from scipy.spatial import Delaunay
 
     x = np.array([[c.x, c.y] for c in cells])
@@ -191,7 +191,7 @@ def neighbors(cells):
     triangles = Delaunay(x).simplices
     next_ = np.roll(triangles, 1, axis=1)
     length = np.linalg.norm(x[triangles] - x[next_], axis=2)
-    return triangles[(length < 1.5 * (r[triangles] + r[next_])).all(axis=1)]
+    return triangles[(length < apart * (r[triangles] + r[next_])).all(axis=1)]
 
 
 def with_cholangiocytes(cells, number):
@@ -202,11 +202,12 @@ def with_cholangiocytes(cells, number):
                          f"{deformable.sum()} deformable cells; 0 for none")
     x = np.array([[c.x, c.y] for c in cells])
     mesenchyme = np.array([c.type == "mesenchyme" for c in cells])
-    triangles = neighbors(cells)
+    triangles = meeting_points(cells)
     inner = np.zeros(len(cells), dtype=bool)    # those next to the mesenchyme
     inner[triangles[mesenchyme[triangles].any(axis=1)]] = True
     inner &= deformable
-    meeting = triangles[deformable[triangles].all(axis=1) & (inner[triangles].sum(axis=1) >= 2)]
+    close = meeting_points(cells, 1.1)
+    meeting = close[deformable[close].all(axis=1) & (inner[close].sum(axis=1) >= 2)]
     if not len(meeting):
         raise SceneError("nowhere next to the mesenchyme do three deformable cells meet: raise "
                          "--dcm-rings to 2 or more, or --sector")
