@@ -79,12 +79,17 @@ def test_tube_in_a_slab():
     assert lumen["section"] == pytest.approx(section, rel=1e-12)
     assert lumen["volume"] == pytest.approx(6.0 * section, rel=1e-12)
     assert lumen["closure"] < 1e-14
+    # cut off: less of it counts, through the middle of faces
+    short = measure(corners, np.zeros(len(corners)), plane=(2, 0.1), slab=(-1.7, 2.2))
+    assert short["volume"] == pytest.approx(3.9 * section, rel=1e-12)
+    assert short["wall"] == pytest.approx(3.9 / 6.0 * lumen["wall"], rel=1e-12)
+    assert short["section"] == lumen["section"]
     # without one of its sides: the missing chord over the length of the others
     chord = 2 * 5.0 * np.sin(np.pi / 24)
     lumen = measure(corners[12:], np.zeros(len(corners) - 12), plane=(2, 0.1), slab=(-3.0, 3.0))
     assert lumen["closure"] == pytest.approx(1 / 23, rel=1e-12)
     assert lumen["circularity"] == pytest.approx(
-        4 * np.pi * lumen["section"] / (24 * chord) ** 2, rel=1e-12)
+        4 * np.pi * lumen["section"] / (23 * chord) ** 2, rel=1e-12)
 
 
 def test_segments_have_the_outside_on_their_left():

@@ -80,40 +80,64 @@ def in_plane(axis):
     return (axis + 1) % 3, (axis + 2) % 3
 
 
+def clipped(corners, axis, low, high):
+    """Triangles (k, 3, 3) of the parts of `corners` (m, 3, 3) with low <= x[axis] <= high."""
+    inside = (corners[:, :, axis] >= low).all(axis=1) & (corners[:, :, axis] <= high).all(axis=1)
+    outside = (corners[:, :, axis] < low).all(axis=1) | (corners[:, :, axis] > high).all(axis=1)
+    pieces = [corners[inside]]
+    for polygon in corners[~inside & ~outside]:
+        for sign, bound in ((1.0, low), (-1.0, high)):
+            kept = []
+            for p, q in zip(polygon, np.roll(polygon, -1, axis=0)):
+                a, b = sign * (p[axis] - bound), sign * (q[axis] - bound)
+                if a >= 0.0:
+                    kept.append(p)
+                if (a >= 0.0) != (b >= 0.0):
+                    kept.append(p + a / (a - b) * (q - p))
+            polygon = np.array(kept).reshape(-1, 3)
+        fan = [[polygon[0], polygon[k - 1], polygon[k]] for k in range(2, len(polygon))]
+        pieces.append(np.array(fan).reshape(-1, 3, 3))
+    return np.concatenate(pieces)
+
+
 def measure(corners, cell, plane=None, slab=None):
     """Measures of one lumen with wall `corners` (m, 3, 3), um, of the cells `cell` (m,).
 
     plane: (axis, position) of the section, um. slab: (low, high), um, along the plane's axis: the
-    lumen is a tube open at both ends; without it, it is closed all around. Returns a dict of
+    lumen is a tube open at both ends, of which volume and wall are those between them; without it, it
+    is closed all around. Returns a dict of
     COLUMNS: volume, um^3; wall, um^2; section, um^2, NaN without plane; closure, what is missing of
     the outline (tube) or of the wall, as a fraction; cells: how many; circularity 4 pi S / L^2 of
     the section; x, y, z: centroid of the wall.
     """
+    middle = corners.mean(axis=1)
     vectors = triangle_vectors(corners)
     area = np.linalg.norm(vectors, axis=1)
-    wall = area.sum()
-    center = (area[:, None] * corners.mean(axis=1)).sum(axis=0) / wall
-    arm = corners.mean(axis=1) - center
-    result = dict(wall=wall, cells=len(np.unique(cell)), section=np.nan, circularity=np.nan)
+    center = (area[:, None] * middle).sum(axis=0) / area.sum()
+    result = dict(cells=len(np.unique(cell)), section=np.nan, circularity=np.nan)
     result.update(zip(AXES, center))
     if plane is not None:
         axis, at = plane
         a, b = in_plane(axis)
         _, ends = cut(corners, axis, at)
         begin, end = ends[:, 0] - center, ends[:, 1] - center
-        section = 0.5 * (begin[:, a] * end[:, b] - begin[:, b] * end[:, a]).sum()
+        result["section"] = 0.5 * (begin[:, a] * end[:, b] - begin[:, b] * end[:, a]).sum()
         length = np.linalg.norm(end - begin, axis=1).sum()
         missing = np.linalg.norm((end - begin).sum(axis=0))
-        result["section"] = section
-        if length + missing > 0.0:
-            result["circularity"] = 4.0 * np.pi * max(section, 0.0) / (length + missing) ** 2
+        result["circularity"] = (4.0 * np.pi * result["section"] / length**2 if length > 0.0
+                                 else 0.0)
     if slab is not None:
         a, b = in_plane(plane[0])
+        parts = clipped(corners, plane[0], *slab)
+        vectors, middle = triangle_vectors(parts), parts.mean(axis=1)
+        # of the field (x, y, 0)/2 through the wall: the open ends do not count
+        arm = middle - center
         result["volume"] = -0.5 * (vectors[:, [a, b]] * arm[:, [a, b]]).sum()
-        result["closure"] = missing / length if length > 0.0 else 1.0
+        result["closure"] = missing / length if length > 0.0 else 0.0
     else:
-        result["volume"] = -(vectors * arm).sum() / 3.0
-        result["closure"] = np.linalg.norm(vectors.sum(axis=0)) / wall
+        result["volume"] = -(vectors * (middle - center)).sum() / 3.0
+        result["closure"] = np.linalg.norm(vectors.sum(axis=0)) / area.sum()
+    result["wall"] = np.linalg.norm(vectors, axis=1).sum()
     return result
 
 
@@ -164,9 +188,10 @@ class Lumens(MeshAnalysis):
             own = component == n
             lumen = measure(corners[own], mesh.cell[marked[own]], self.plane, self.slab)
             lumen["faces"] = marked[own]
+            lumen["whole"] = np.linalg.norm(triangle_vectors(corners[own]), axis=1).sum()
             found.append(lumen)
-        found.sort(key=lambda one: -one["wall"])
-        return [one for one in found if one["wall"] >= self.smallest]
+        found.sort(key=lambda one: -one["whole"])
+        return [one for one in found if one["whole"] > self.smallest]
 
     def _conclude(self):
         super()._conclude()

@@ -221,15 +221,26 @@ def with_cholangiocytes(cells, number):
     return [replace(cells[k], type="cholangiocyte") for k in first] + rest
 
 
-def ring(cells=8, radius=6.0, kind="dcm", type="hepatoblast", gap=0.0, jitter=0.0, seed=1):
-    """`cells` equal cells on one circle in the plane z = 0, each touching its two neighbours."""
+def ring(cells=8, radius=6.0, kind="dcm", type="hepatoblast", around=0, gap=0.0, jitter=0.0,
+         seed=1):
+    """`cells` equal cells on one circle in the plane z = 0, each touching its two neighbours, and
+    `around` rings of spheres of type sphere around them, the last one of type outer.
+    """
     if cells < 3:
         raise SceneError(f"--cells is {cells}: a ring takes at least 3")
+    if around < 0:
+        raise SceneError(f"--around is {around}: it must not be negative")
     check_positive(radius=radius)
     check_gap(gap)
     rho = radius * (1.0 + gap) / math.sin(math.pi / cells)
     made = [Cell(type, kind, rho * math.cos(t), rho * math.sin(t), 0.0, radius)
             for t in 2.0 * math.pi * np.arange(cells) / cells]
+    for k in range(around):
+        rho += 2.0 * radius * (1.0 + gap) * math.sqrt(0.75)
+        n = ring_count(rho, radius, gap)
+        made += [Cell("outer" if k == around - 1 else "sphere", "cbm", rho * math.cos(t),
+                      rho * math.sin(t), 0.0, radius)
+                 for t in 2.0 * math.pi * (np.arange(n) + 0.5 * k) / n]
     return jittered(made, jitter, seed)
 
 
@@ -410,6 +421,7 @@ def add_arguments(parser):
     randomness(p)
     p = scene_parser("ring", ring, "one circle of equal cells")
     p.add_argument("--cells", type=int, default=8, help="number of cells")
+    p.add_argument("--around", type=int, default=0, help="rings of spheres around them")
     one_type(p)
     randomness(p)
     p = scene_parser("spheroid", spheroid, "close-packed ball of cells, DCM inside")
