@@ -12,6 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
+#include "dcm_role.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
@@ -29,14 +30,16 @@ static const std::string STYLE = "Compute dcm/face";
 // as enum Value
 
 static const std::vector<std::string> NAMES = {
-    "area", "contact_area", "free_area", "stress", "curvature", "nx", "ny", "nz", "region"};
+    "area", "contact_area", "free_area", "stress", "curvature", "nx", "ny", "nz", "region",
+    "mark"};
 
 /* ----------------------------------------------------------------------
    compute ID group dcm/face value1 value2 ...
 ------------------------------------------------------------------------- */
 
 ComputeDCMFace::ComputeDCMFace(LAMMPS *lmp, int narg, char **arg) :
-    Compute(lmp, narg, arg), nmax(0), dcm(nullptr), cell(nullptr), contact(nullptr)
+    Compute(lmp, narg, arg), nmax(0), dcm(nullptr), cell(nullptr), contact(nullptr),
+    marks(nullptr)
 {
   AtomVecDCM::require(lmp, STYLE);
   const std::string known = utils::join_words(NAMES, " ");
@@ -76,6 +79,12 @@ void ComputeDCMFace::init()
 
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   if (contact && wants(STRESS)) stress = contact->request_stress();
+  marks = nullptr;
+  for (auto *const role : DCMRole::of(lmp))
+    if (role->marked_faces()) marks = role;
+  if (wants(MARK) && !marks)
+    error->all(FLERR, "{}: value mark needs a style that marks faces; add a fix dcm/osmosis or "
+               "remove the value", STYLE);
   for (int value : columns)
     if (!contact && (value == CONTACT_AREA || value == FREE_AREA || value == STRESS))
       error->all(FLERR, "{}: value {} needs pair_style dcm/contact; add it or remove the value",
@@ -108,6 +117,8 @@ double ComputeDCMFace::face_value(int f, int value) const
     case NY:
     case NZ:
       return cell->normals()[3 * (size_t) f + value - NX];
+    case MARK:
+      return marks->marked_faces()[face.atom] != 0;
     default:
       return dcm->region[face.atom];
   }

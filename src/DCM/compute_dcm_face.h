@@ -37,7 +37,7 @@ class ComputeDCMFace : public Compute {
 
  private:
   // in the order of their names
-  enum Value { AREA, CONTACT_AREA, FREE_AREA, STRESS, CURVATURE, NX, NY, NZ, REGION };
+  enum Value { AREA, CONTACT_AREA, FREE_AREA, STRESS, CURVATURE, NX, NY, NZ, REGION, MARK };
 
   std::vector<int> columns;    // a Value each
   int nmax;
@@ -45,6 +45,7 @@ class ComputeDCMFace : public Compute {
   struct DCMAtoms *dcm;
   class FixDCMCell *cell;
   class PairDCMContact *contact;    // nullptr: no such pair style
+  class DCMRole *marks;             // nullptr: nothing marks faces
   DCMRequest<> curvature, stress;
 
   bool wants(int) const;

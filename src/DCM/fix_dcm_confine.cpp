@@ -32,7 +32,7 @@ using namespace LAMMPS_NS;
 using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/confine";
-static constexpr int RECORD = 1;    // version of the restart record
+static constexpr int RECORD = 2;    // version of the restart record
 
 // The controller integrates the error of the pressure expected LEAD tau ahead, the slope taken
 // from a filter of FILTER tau. Chosen on overdamped chains: no overshoot above 2 % as long as the
@@ -45,20 +45,21 @@ static constexpr double MIN_STEPS = 10.0;     // least tau in steps
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/confine [pressure P over GROUP [axis a] [center c1 c2] [tau t] [limit m]
-                             [area A]] [plane a k [at v] [group GROUP]]
+                             [area A] [hold yes|no]] [plane a k [at v] [group GROUP]]
 ------------------------------------------------------------------------- */
 
 FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cell(nullptr), target(0.0), measured_bit(0),
     axis(2), center{0.0, 0.0, 0.0}, tau(0.0), limit(10.0), outer_area(0.0), force(0.0),
-    reference(0.0), smooth(0.0), started(false), warned(false), plane(-1), spring(0.0), at(0.0),
+    reference(0.0), smooth(0.0), started(false), warned(false), hold(false), plane(-1), spring(0.0), at(0.0),
     plane_bit(groupbit), energy(0.0), farthest(0.0)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
 
   DCMArgs args(
       lmp, STYLE, narg - 3, arg + 3,
-      {"pressure", "over", "axis", "center", "tau", "limit", "area", "plane", "at", "group"});
+      {"pressure", "over", "axis", "center", "tau", "limit", "area", "plane", "at", "group",
+       "hold"});
   double offset[2] = {0.0, 0.0};
   std::string of_pressure, of_plane;    // keywords that need the other one
   while (args.next()) {
@@ -86,6 +87,8 @@ FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
       limit = args.number(DCMArgs::POSITIVE);
     } else if (args.is("area")) {
       outer_area = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("hold")) {
+      hold = args.choose({"no", "yes"}) == 1;
     } else if (args.is("at")) {
       at = args.number();
     } else {
@@ -238,7 +241,11 @@ void FixDCMConfine::initial_integrate(int /*vflag*/)
   if (!started) {
     started = true;
     smooth = p;
-    force = std::min(reference * std::max(0.0, 1.0 - p / target), most);
+    if (!hold) force = std::min(reference * std::max(0.0, 1.0 - p / target), most);
+    return;
+  }
+  if (hold) {
+    smooth = p;    // to go on from here when it is let go
     return;
   }
 
@@ -324,6 +331,7 @@ void FixDCMConfine::write_restart(FILE *fp)
   record.put(force);
   record.put(reference);
   record.put(smooth);
+  record.put(hold);
   record.write(fp);
 }
 
@@ -335,6 +343,23 @@ void FixDCMConfine::restart(char *buf)
   record.get(force);
   record.get(reference);
   record.get(smooth);
+  record.get(hold);
+}
+
+/* ----------------------------------------------------------------------
+   fix_modify ID hold yes|no
+------------------------------------------------------------------------- */
+
+int FixDCMConfine::modify_param(int narg, char **arg)
+{
+  if (strcmp(arg[0], "hold") != 0) return 0;
+  if (narg < 2) utils::missing_cmd_args(FLERR, "fix_modify hold", error);
+  if (target == 0.0)
+    error->all(FLERR, "{}: fix_modify {} hold needs keyword pressure in the fix", STYLE, id);
+  if (strcmp(arg[1], "yes") != 0 && strcmp(arg[1], "no") != 0)
+    error->all(FLERR, "{}: fix_modify {} hold must be yes or no, not {}", STYLE, id, arg[1]);
+  hold = strcmp(arg[1], "yes") == 0;
+  return 2;
 }
 
 /* ----------------------------------------------------------------------

@@ -45,6 +45,7 @@ class FixDCMConfine : public Fix, public DCMRole {
   void restart(char *) override;
   double compute_scalar() override;
   double compute_vector(int) override;
+  int modify_param(int, char **) override;
   double memory_usage() override;
 
  private:
@@ -64,6 +65,7 @@ class FixDCMConfine : public Fix, public DCMRole {
   double reference;    // force that would do if each cell passed on the target on its outer area
   double smooth;       // low-pass filtered mean pressure
   bool started, warned;
+  bool hold;    // the force stays what it is
 
   int plane;            // 0-2: normal of the plane, -1: none
   double spring, at;    // force constant, position

@@ -131,7 +131,7 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
   restart_global = restart_peratom = 1;
   create_attribute = 1;
   maxexchange = 1;
-  FixDCMOsmosis::grow_arrays(atom->nmax);
+  FixDCMOsmosis::grow_arrays(std::max(1, atom->nmax));    // there is always an array
   atom->add_callback(Atom::GROW);
   atom->add_callback(Atom::RESTART);
   for (int i = 0; i < atom->nlocal; i++) FixDCMOsmosis::set_arrays(i);

@@ -113,11 +113,11 @@ inline void add_section(LumenSums &sums, const Vec3 &a, const Vec3 &b, const Vec
     n++;
   }
   if (n != 2) return;
-  // normals point into the lumen: from the point where the boundary goes up its outline runs
-  // clockwise around the axis
+  // normals point into the lumen: its outline runs counter-clockwise from the place where the
+  // face's boundary goes up
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const Vec3 side = end[0] - end[1];
-  sums.section += 0.5 * (end[1][u] * end[0][v] - end[1][v] * end[0][u]);
+  const Vec3 side = end[1] - end[0];
+  sums.section += 0.5 * (end[0][u] * end[1][v] - end[0][v] * end[1][u]);
   sums.perimeter += side.norm();
   sums.outline += side;
 }
