@@ -210,7 +210,9 @@ double DCMParameters::get(int slot, const std::string &keyword, Range range, dou
 }
 
 /* ----------------------------------------------------------------------
-   the most specific entry counts: both regions named, one named, none named
+   the most specific entry counts: both regions named, one named, none named. Where one entry names
+   the region of the one face and another that of the other, the lower value: it must not depend on
+   which of the two faces comes first
 ------------------------------------------------------------------------- */
 
 double DCMParameters::adhesion(int i, int ri, int j, int rj) const
@@ -220,11 +222,12 @@ double DCMParameters::adhesion(int i, int ri, int j, int rj) const
     return DCMArgs::in_range(lmp, asking, "W", given->second, NONNEGATIVE);
   const std::string a = names[i], b = names[j];
   const std::string ar = a + ":" + REGIONS[ri], br = b + ":" + REGIONS[rj];
-  for (const auto &key : {std::make_pair(ar, br), std::make_pair(ar, b), std::make_pair(a, br),
-                          std::make_pair(a, b)}) {
-    const auto found = energies.find(key);
-    if (found != energies.end()) return found->second;
-  }
+  const auto none = energies.end(), both = energies.find({ar, br});
+  if (both != none) return both->second;
+  const auto first = energies.find({ar, b}), second = energies.find({a, br});
+  if (first != none && second != none) return std::min(first->second, second->second);
+  for (const auto &found : {first, second, energies.find({a, b})})
+    if (found != none) return found->second;
   error->all(FLERR,
              "{}: no adhesion between cell types {} and {}; add 'adhesion {} {} W' to {} or "
              "give keyword W",

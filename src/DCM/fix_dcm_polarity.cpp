@@ -22,6 +22,7 @@
 #include "fix_dcm_cell.h"
 #include "force.h"
 #include "law/random.h"
+#include "law/volume.h"
 #include "modify.h"
 #include "pair_dcm_contact.h"
 #include "update.h"
@@ -35,6 +36,10 @@ using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/polarity";
 static constexpr int RECORD = 1;    // version of the restart record
+
+// a point nearer than this to the center of a cell, in radii, lies in no direction but round-off's
+
+static constexpr double NEAR = 1.0e-6;
 
 static_assert(static_cast<int>(dcm::LATERAL) == AtomVecDCM::LATERAL &&
                   static_cast<int>(dcm::POLAR) == AtomVecDCM::POLAR &&
@@ -337,12 +342,14 @@ Vec3 FixDCMPolarity::given_vector(int row, const Vec3 &variable) const
     return dcm::direction(dcm::in_plane(random.unit_vector(), axis));
   }
   Vec3 v = variable;
+  double least = 0.0;
   if (start_mode == TOWARD) {
     v = point - dcm::vec(it.x);
     dcm_minimum_image(domain, v[0], v[1], v[2]);
     v = dcm::in_plane(v, axis);
+    least = NEAR * dcm::ball_radius(it.volume0);
   }
-  if (!v.allFinite() || !(v.norm() > 0.0))
+  if (!v.allFinite() || !(v.norm() > least))
     error->all(FLERR,
                "{}: init {} gives cell {} the apical vector {} {} {} at step {}; it needs a "
                "direction",

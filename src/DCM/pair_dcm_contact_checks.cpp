@@ -102,9 +102,12 @@ void PairDCMContact::check_law(double radius)
   for (int s = 1; s <= atom->ntypes; s++)
     for (int t = s; t <= atom->ntypes; t++) {
       if (!may_be(types[s], AtomVecDCM::FACE) && !may_be(types[t], AtomVecDCM::FACE)) continue;
-      const auto &m = table[(size_t) AtomVecDCM::NREGION * ((s - 1) * nclass + t - 1)];
+      auto m = table[(size_t) AtomVecDCM::NREGION * ((s - 1) * nclass + t - 1)];
       if (!types[s].active || !types[t].active) continue;
       if (!expect_new && (!types[s].kind || !types[t].kind)) continue;
+      for (int p = 0; p < AtomVecDCM::NREGION; p++)
+        for (int q = 0; q < AtomVecDCM::NREGION; q++)
+          m.W = std::max(m.W, parameters->adhesion(s, p, t, q));
       const double a = std::cbrt(4.5 * dcm::PI * m.W * R * R / m.E);
       if (a > 0.9 * radius)
         error->all(
