@@ -54,8 +54,8 @@ class DCMRetype : protected Pointers {
   std::string asking;
   DCMCellBuilder::Types to;
   std::vector<std::string> joins, leaves;
-  int join = 0, leave = 0;            // group bits
-  int common[3] = {0, 0, 0};          // of all centers, nodes, faces of the new types
+  int join = 0, leave = 0;      // group bits
+  int common[3] = {0, 0, 0};    // of all centers, nodes, faces of the new types
 
   int mask_after(int mask, int kind) const { return ((mask | common[kind] | join) & ~leave) | 1; }
   int find_static(const std::string &id) const;

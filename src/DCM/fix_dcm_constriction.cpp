@@ -123,8 +123,8 @@ void FixDCMConstriction::init()
 void FixDCMConstriction::setup(int /*vflag*/)
 {
   if (when != LUMEN) return;
-  marked = cell->cells().column("marked_area", marked_field);
-  if (!marked)
+  int field;
+  if (!cell->cells().column("marked_area", field))
     error->all(FLERR,
                "{}: nothing marks the faces at a lumen, so that no cell would ever constrict; add "
                "a fix dcm/osmosis, or use 'when born' or 'when time t'",
@@ -146,23 +146,25 @@ void FixDCMConstriction::initial_integrate(int /*vflag*/)
    cells that have not constricted yet, and do now if they have edges that can
 ------------------------------------------------------------------------- */
 
-bool FixDCMConstriction::turn_of(const DCMCellTable::Cell &it, int row) const
+bool FixDCMConstriction::turn_of(const DCMCellTable::Cell &it, double marked_area) const
 {
-  if ((*since)(row) >= 0.0 || !(it.mask & groupbit)) return false;
-  if (it.phase == DCMCellTable::DYING) return false;
+  if (!(it.mask & groupbit) || it.phase == DCMCellTable::DYING) return false;
   if (release && (it.phase == DCMCellTable::ROUNDING || it.phase == DCMCellTable::READY))
     return false;
-  if (when == LUMEN) return (*marked)(row, marked_field) > 0.0;
+  if (when == LUMEN) return marked_area > 0.0;
   return when == BORN || cell->cells().time() >= when_time;
 }
 
 void FixDCMConstriction::begin_cells()
 {
   const auto &table = cell->cells();
+  int field = 0;
+  const auto marked = table.column("marked_area", field);    // not kept: it is another's
   bool any = false;
   found.assign(table.size(), -1.0);    // -1: no candidate
   for (const int row : table.all_deformable()) {
-    if (!turn_of(table[row], row)) continue;
+    if ((*since)(row) >= 0.0) continue;
+    if (!turn_of(table[row], marked ? (*marked)(row, field) : 0.0)) continue;
     found[row] = 0.0;
     any = true;
   }
@@ -213,13 +215,13 @@ int FixDCMConstriction::choose_edges(int i, const DCMCellTable::Cell &it)
 
 /* ----------------------------------------------------------------------
    constricted cells: the ramp, back while the cell rounds up, and at its end when it divides.
-   A cell begins at share 0 in the step in which its edges are chosen.
+   The step in which a cell chooses its edges is the first of its ramp.
 ------------------------------------------------------------------------- */
 
 bool FixDCMConstriction::advance()
 {
   const auto &table = cell->cells();
-  const double step = update->dt / ramp;    // infinite: at once
+  const double step = ramp > 0.0 ? update->dt / ramp : 1.0;
   bool any = false;
   changed.assign(table.size(), 0);
   for (const int row : table.all_deformable()) {
@@ -337,9 +339,12 @@ int FixDCMConstriction::nslots(int i) const
 {
   const int n = std::min(atom->num_bond[i], width);
   const auto first = slots.begin() + (size_t) i * width;
-  return std::any_of(first, first + n, [](const Slot &slot) {
-    return slot.length.factor > 0.0;
-  }) ? n : 0;
+  return std::any_of(first, first + n,
+                     [](const Slot &slot) {
+                       return slot.length.factor > 0.0;
+                     })
+             ? n
+             : 0;
 }
 
 int FixDCMConstriction::pack_exchange(int i, double *buf)

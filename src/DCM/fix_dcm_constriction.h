@@ -74,16 +74,14 @@ class FixDCMConstriction : public Fix, public DCMRole {
   DCMRequest<> adjacency;
   DCMCellTable::Handle since;    // per cell: time when it began, < 0: it has not
   DCMCellTable::Handle share;    // of the ramp, 0 to 1
-  std::shared_ptr<const DCMColumn> marked;
-  int marked_field = 0;
   bool warned = false;
 
-  int width = 0;              // slots per atom
-  std::vector<Slot> slots;    // of local atoms
+  int width = 0;                // slots per atom
+  std::vector<Slot> slots;      // of local atoms
   std::vector<double> found;    // per row: edges of cells whose turn it may be
   std::vector<char> changed;    // per row: its share of the ramp is another one
 
-  bool turn_of(const DCMCellTable::Cell &, int row) const;
+  bool turn_of(const DCMCellTable::Cell &, double marked_area) const;
   void begin_cells();
   int choose_edges(int i, const DCMCellTable::Cell &);
   bool advance();

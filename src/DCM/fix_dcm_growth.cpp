@@ -432,8 +432,7 @@ void FixDCMGrowth::cell_retyped(int row, int /*type_before*/)
   if (!cycles) return;    // between runs, before the first
   const auto &it = cell->cells()[row];
   Cycle mine = cycles->load<Cycle>(row);
-  if (mine.member > 0.0 &&
-      (it.phase == DCMCellTable::ROUNDING || it.phase == DCMCellTable::READY))
+  if (mine.member > 0.0 && (it.phase == DCMCellTable::ROUNDING || it.phase == DCMCellTable::READY))
     return;
   enroll(row);
   if (!(mine.member > 0.0) || !((*cycles)(row) > 0.0)) return;

@@ -69,8 +69,8 @@ FixDCMSignal::FixDCMSignal(LAMMPS *lmp, int narg, char **arg) :
   if (from_id.empty())
     error->all(FLERR, "{}: keyword from is missing; name the group of cells that signal", STYLE);
   if (signal_time < 0.0)
-    error->all(FLERR,
-               "{}: keyword time is missing; give the time of contact, 0 or inf for never", STYLE);
+    error->all(FLERR, "{}: keyword time is missing; give the time of contact, 0 or inf for never",
+               STYLE);
   to.join_group(from_id);
 
   vector_flag = 1;
@@ -103,8 +103,8 @@ void FixDCMSignal::init()
   to.init();
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   if (!contact)
-    error->all(FLERR,
-               "{}: nothing measures contact between cells; it needs pair_style dcm/contact", STYLE);
+    error->all(FLERR, "{}: nothing measures contact between cells; it needs pair_style dcm/contact",
+               STYLE);
   partners = contact->request_partners(nevery);
   if (!contact->has_cell_type(to.types().face))
     error->all(FLERR,
@@ -132,8 +132,8 @@ void FixDCMSignal::init()
 void FixDCMSignal::setup(int /*vflag*/)
 {
   if (!lumen) return;
-  marked = cell->cells().column("marked_area", marked_field);
-  if (!marked)
+  int field;
+  if (!cell->cells().column("marked_area", field))
     error->all(FLERR,
                "{}: nothing marks the faces at a lumen, so that no cell would ever switch; add a "
                "fix dcm/osmosis, or use 'lumen no'",
@@ -161,7 +161,7 @@ void FixDCMSignal::initial_integrate(int /*vflag*/)
 bool FixDCMSignal::listens(const DCMCellTable::Cell &it) const
 {
   return it.deformable && (it.mask & groupbit) && !(it.mask & from) &&
-      it.phase != DCMCellTable::DYING;
+         it.phase != DCMCellTable::DYING;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -181,11 +181,13 @@ void FixDCMSignal::measure_contacts()
 void FixDCMSignal::count_time()
 {
   const auto &table = cell->cells();
+  int field = 0;
+  const auto marked = table.column("marked_area", field);    // not kept: it is another's
   for (const int row : table.all_deformable()) {
     const auto &it = table[row];
     if (!listens(it) || (*fate)(row) > 0.0) continue;
     if (contact_area[row] > least_area * it.area &&
-        (!lumen || (*marked)(row, marked_field) > 0.0)) {
+        (!lumen || (marked && (*marked)(row, field) > 0.0))) {
       (*signal)(row) += nevery * update->dt;
       if ((*signal)(row) >= DONE * signal_time) (*fate)(row) = 1.0;
     } else if (!hold) {

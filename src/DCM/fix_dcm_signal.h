@@ -23,7 +23,6 @@ FixStyle(dcm/signal,FixDCMSignal);
 #include "dcm_role.h"
 #include "fix.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -49,10 +48,10 @@ class FixDCMSignal : public Fix, public DCMRole {
 
  private:
   std::string from_id;
-  int from;                  // bit of the group that signals
+  int from;    // bit of the group that signals
   DCMRetype to;
-  double least_area;         // of contact, over the area of the cell
-  double signal_time;        // until the fate is decided, infinite: never
+  double least_area;     // of contact, over the area of the cell
+  double signal_time;    // until the fate is decided, infinite: never
   bool lumen, hold;
 
   class FixDCMCell *cell;
@@ -60,8 +59,6 @@ class FixDCMSignal : public Fix, public DCMRole {
   DCMRequest<> spheres;
   DCMRequest<int> partners;
   DCMCellTable::Handle signal, fate;    // per cell: time counted so far; 1: decided
-  std::shared_ptr<const DCMColumn> marked;
-  int marked_field = 0;
   bool warned = false;
   bigint switched;                     // cells that divided with their fate decided
   std::vector<double> contact_area;    // per row: with the group that signals
