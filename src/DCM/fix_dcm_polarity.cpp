@@ -50,12 +50,12 @@ static_assert(static_cast<int>(dcm::LATERAL) == AtomVecDCM::LATERAL &&
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/polarity seed S [polar a] [form cone|belt] [apical b] [basal b|none]
-       [junction lo hi|auto|none] [free theta] [weight count|area] [plane none|x|y|z]
+       [junction lo hi|auto|none] [free theta] [sees all|lumen] [weight count|area] [plane none|x|y|z]
        [init random|free|toward x y z|variable v_x v_y v_z] [freeze T] [every N]
 ------------------------------------------------------------------------- */
 
 FixDCMPolarity::FixDCMPolarity(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), seed(0), ribbon_auto(false), by_area(false), theta(0.05), axis(-1),
+    Fix(lmp, narg, arg), seed(0), ribbon_auto(false), by_area(false), sees_lumen(false), blind(false), marks(nullptr), theta(0.05), axis(-1),
     start_mode(RANDOM), point(Vec3::Zero()), freeze(600.0), dcm(nullptr), cell(nullptr),
     contact(nullptr), begun(false), warned(false), nturned(0), nclosed(0)
 {
@@ -75,7 +75,7 @@ FixDCMPolarity::FixDCMPolarity(LAMMPS *lmp, int narg, char **arg) :
 void FixDCMPolarity::parse(int narg, char **arg)
 {
   DCMArgs args(lmp, STYLE, narg, arg,
-               {"seed", "polar", "form", "apical", "basal", "junction", "free", "weight", "plane",
+               {"seed", "polar", "form", "apical", "basal", "junction", "free", "sees", "weight", "plane",
                 "init", "freeze", "every"});
   auto part = [&args]() {
     const double value = args.number();
@@ -99,6 +99,8 @@ void FixDCMPolarity::parse(int narg, char **arg)
       parse_junction(args);
     } else if (args.is("free")) {
       theta = part();
+    } else if (args.is("sees")) {
+      sees_lumen = args.choose({"all", "lumen"}) == 1;
     } else if (args.is("weight")) {
       by_area = args.choose({"count", "area"}) == 1;
     } else if (args.is("plane")) {
@@ -162,6 +164,17 @@ void FixDCMPolarity::init()
     frozen = other->frozen;
     apical_area = other->apical_area;
     junction_area = other->junction_area;
+  }
+  marks = nullptr;
+  for (auto *const role : DCMRole::of(lmp))
+    if (role->marked_faces()) marks = role;
+  if (sees_lumen && !marks && !blind) {
+    blind = true;
+    if (comm->me == 0)
+      error->warning(FLERR,
+                     "{}: sees lumen, and nothing marks the faces at a lumen, so that no cell "
+                     "turns; add a fix dcm/osmosis, or use sees all",
+                     STYLE);
   }
   auto &table = cell->change_cells();
   vectors = table.add(STYLE, "polarity", DCMColumn::INHERIT, 0.0,

@@ -64,6 +64,27 @@ def test_sector_and_dcm_rings():
     assert not count(scene.duct("quick", dcm_rings=0), kind="dcm")
 
 
+@pytest.mark.parametrize("size, seed, dcm, cbm, cholangiocytes", [
+    ("lumen", 5, 14, 99, 3), ("lumen-full", 1, 31, 486, 5)])
+def test_duct_in_which_a_lumen_can_begin(size, seed, dcm, cbm, cholangiocytes):
+    cells = scene.duct(size, gap=-0.05, seed=seed)
+    assert (count(cells, kind="dcm"), count(cells, kind="cbm")) == (dcm, cbm)
+    first = cells[:cholangiocytes]
+    assert all((c.type, c.kind) == ("cholangiocyte", "dcm") for c in first)
+    assert count(cells, type="cholangiocyte") == cholangiocytes
+    # the first three meet: each touches both others; two of them touch the mesenchyme
+    close = [distance(a, b) / (a.radius + b.radius) for a, b in
+             itertools.combinations(first[:3], 2)]
+    assert max(close) < 1.1
+    mesenchyme = [c for c in cells if c.type == "mesenchyme"]
+    assert sum(min(distance(c, m) for m in mesenchyme) < 1.15 * (c.radius + 4.0)
+               for c in first[:3]) == 2
+    # whatever touches one of them is deformable or mesenchyme: no lumen is walled by spheres
+    for c in first:
+        assert all(o.kind == "dcm" or o.type == "mesenchyme" for o in cells
+                   if distance(c, o) < 1.2 * (c.radius + o.radius))
+
+
 def test_same_seed_same_table_other_seed_other_table():
     assert scene.duct(jitter=0.05, seed=3) == scene.duct(jitter=0.05, seed=3)
     assert scene.duct(jitter=0.05, seed=3) != scene.duct(jitter=0.05, seed=4)
@@ -114,7 +135,7 @@ def test_table_round_trip(tmp_path):
 def test_shipped_tables_are_what_their_command_makes(tmp_path):
     import shlex
     from pathlib import Path
-    for path in (Path(__file__).parents[2] / "examples/bile_duct").glob("cells.*.txt"):
+    for path in (Path(__file__).parents[2] / "examples").glob("bile_duct*/cells.*.txt"):
         command = path.read_text().splitlines()[1].split("lammps_dcm ", 1)[1]
         words = shlex.split(command)
         words[words.index("-o") + 1] = str(tmp_path / path.name)
@@ -127,6 +148,7 @@ def test_shipped_tables_are_what_their_command_makes(tmp_path):
 @pytest.mark.parametrize("words, says", [
     ("duct --gap -2", "--gap"), ("duct --dcm-rings 9", "--dcm-rings"),
     ("duct --radius 0", "--radius"), ("duct --radius nan", "--radius"),
+    ("duct --cholangiocytes 2", "--cholangiocytes"), ("duct --cholangiocytes 3", "--dcm-rings"),
     ("duct --endothelium 2", "--endothelium"), ("duct --jitter -1", "--jitter"),
     ("ring --cells 2", "--cells"), ("spheroid --dcm 99", "--dcm"),
     ("sheet --cells 0", "--cells"), ("sheet --window nan", "--window"),

@@ -8,8 +8,9 @@ __version__ = "0.1.0"
 
 _HOME = {"CellVolume": "analysis", "CellPressure": "analysis", "FaceArea": "analysis",
          "CellContacts": "analysis", "CellQuality": "analysis", "AtomBook": "frame_atoms",
-         "read_data": "topology", "DumpFile": "reader", "Lineage": "lineage",
-         "read_divisions": "lineage", "read_deaths": "lineage"}
+         "Lumens": "lumen", "CellPolarity": "polarity", "read_data": "topology",
+         "DumpFile": "reader", "Lineage": "lineage", "read_divisions": "lineage",
+         "read_deaths": "lineage"}
 
 
 def load(data=None, dump=None, dt=1.0, scan="auto", rename=None):

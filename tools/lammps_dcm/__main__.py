@@ -9,6 +9,8 @@ COMMANDS = {
     "render": ("render", "draw a frame of a dump or a data file into a PNG"),
     "cells": ("table", "volume, area and pressure of every cell and frame as CSV"),
     "quality": ("quality", "quality of the triangles of every cell as CSV"),
+    "lumen": ("lumen", "volume, section and closure of lumens over time as CSV, and a plot"),
+    "polarity": ("polarity", "apical and polar vectors of cells, their angles and order, as CSV"),
     "log": ("log", "plot the thermo columns of a LAMMPS log"),
     "lineage": ("lineage", "family trees and cycle times from the logs of divisions and deaths"),
     "movie": ("movie", "assemble pictures into an animated GIF or an .mp4"),

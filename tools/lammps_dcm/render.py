@@ -298,6 +298,11 @@ def add_arguments(parser):
                         help="ends of the color scale; by default those of the values")
     parser.add_argument("--cmap", default="viridis", help="matplotlib color map")
     parser.add_argument("--view", choices=list(VIEWS), default="xy", help="plane that is seen")
+    parser.add_argument("--section", metavar="AXIS[=AT]", help="cut by the plane across this axis, "
+                        "drawn flat: regions of the surface, lumens (dump column mark), apical "
+                        "vectors (ax ay az), tracers")
+    parser.add_argument("--window", nargs=4, type=float, metavar=("X0", "X1", "Y0", "Y1"),
+                        help="what a section shows, um; by default all deformable cells")
     parser.add_argument("--size", type=int, default=1200, help="width and height, pixel")
     parser.add_argument("--edges", action="store_true", help="draw the mesh")
     parser.add_argument("--opacity", type=float, default=1.0, help="of the deformable cells")
@@ -313,15 +318,49 @@ def run(args, words):
     count = len(universe.trajectory)
     frames = chosen_frames(args.frame, count)
     output = Path(args.output)
+    if args.section:
+        run_sections(args, universe, book, frames, output)
+        return
     for frame in tqdm(frames, desc="rendering", disable=None if len(frames) > 1 else True):
         universe.trajectory[frame]
         picture = make_picture(universe, args.color, args.limits, args.cmap,
                                bulk_modulus_of(args.bulk_modulus),
                                pairs(args.names, "--names"), book)
-        name = output if args.frame != "all" else output.with_stem(f"{output.stem}.{frame:05d}")
+        name = numbered(output, args.frame, frame)
         engine = draw(picture, name, args.engine, view=args.view, size=args.size,
                       edges=args.edges, opacity=args.opacity, cmap=args.cmap)
         if len(frames) == 1:
             print(f"wrote {name} ({engine}, {picture.title}, frame {frame} of {count})")
     if len(frames) > 1:
         print(f"wrote {len(frames)} pictures {output.with_stem(output.stem + '.NNNNN')}")
+
+
+def numbered(output, asked, frame):
+    """Name of the picture of `frame`, with --frame `asked`."""
+    return output if asked != "all" else output.with_stem(f"{output.stem}.{frame:05d}")
+
+
+def run_sections(args, universe, book, frames, output):
+    """Draw sections; all frames show the same window."""
+    from .lumen import parse_plane
+    from .section import draw_section, make_section
+
+    axis, at = parse_plane(args.section)
+    names, window = pairs(args.names, "--names"), args.window
+    if window is None:
+        ends = []
+        for frame in {frames[0], frames[-1]}:
+            universe.trajectory[frame]
+            ends.append(make_section(universe, axis, at, book).window())
+        low, high = np.min(ends, axis=0), np.max(ends, axis=0)
+        half = 0.5 * max(high[1] - low[0], high[3] - low[2])
+        x, y = 0.5 * (low[0] + high[1]), 0.5 * (low[2] + high[3])
+        window = (x - half, x + half, y - half, y + half)
+    elif not (window[0] < window[1] and window[2] < window[3]):
+        raise ValueError("--window: give X0 < X1 and Y0 < Y1")
+    for frame in tqdm(frames, desc="rendering", disable=None if len(frames) > 1 else True):
+        universe.trajectory[frame]
+        draw_section(make_section(universe, axis, at, book), numbered(output, args.frame, frame),
+                     args.size, window, names)
+    print(f"wrote {output}" if args.frame != "all" else
+          f"wrote {len(frames)} pictures {output.with_stem(output.stem + '.NNNNN')}")

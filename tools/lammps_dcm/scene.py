@@ -115,12 +115,15 @@ def worst_overlap(cells):
 DUCT_SIZES = {
     "quick": dict(endothelium=7, rings=3, dcm_rings=1, sector=360.0),
     "full": dict(endothelium=16, rings=10, dcm_rings=3, sector=140.0),
+    # for a lumen: a patch of deformable cells, three rings deep, in which it can open
+    "lumen": dict(endothelium=7, rings=4, dcm_rings=3, sector=82.0, cholangiocytes=3),
+    "lumen-full": dict(endothelium=16, rings=10, dcm_rings=3, sector=140.0, cholangiocytes=5),
 }
 
 
 def duct(size="quick", endothelium=None, rings=None, dcm_rings=None, sector=None, radius=6.0,
          vein_radius=4.0, mesenchyme_radius=4.0, mesenchyme_rings=1, gap=0.0, settled=True,
-         jitter=0.0, seed=1):
+         cholangiocytes=None, jitter=0.0, seed=1):
     """Portal vein in cross-section: concentric circles in the plane z = 0 (S1 "Initialization").
 
     From the axis outward: one ring of `endothelium` cells that touch each other, mesenchyme,
@@ -128,6 +131,10 @@ def duct(size="quick", endothelium=None, rings=None, dcm_rings=None, sector=None
     Hepatoblasts of the first `dcm_rings` rings whose angle lies within `sector` degrees, centred
     on +x, are DCM, all others CBM. The last ring has the type `outer`, so that a deck can push it
     inward. `settled` closes the voids between the rings (endothelium stays). Radii in um.
+
+    `cholangiocytes` of the DCM have the type of that name: those nearest to the point next to the
+    mesenchyme where three DCM meet, where a lumen can begin. They are the first cells of the table,
+    the three that meet before all others.
     """
     preset = DUCT_SIZES.get(size)
     if preset is None:
@@ -136,6 +143,8 @@ def duct(size="quick", endothelium=None, rings=None, dcm_rings=None, sector=None
     rings = preset["rings"] if rings is None else rings
     dcm_rings = preset["dcm_rings"] if dcm_rings is None else dcm_rings
     sector = preset["sector"] if sector is None else sector
+    if cholangiocytes is None:
+        cholangiocytes = preset.get("cholangiocytes", 0)
     if endothelium < 3:
         raise SceneError(f"--endothelium is {endothelium}: a closed vein takes at least 3 cells")
     if not 0 <= dcm_rings < rings:
@@ -169,18 +178,69 @@ def duct(size="quick", endothelium=None, rings=None, dcm_rings=None, sector=None
         x = settle(np.array([[c.x, c.y] for c in cells]), np.array([c.radius for c in cells]),
                    np.array([c.type == "endothelium" for c in cells]), gap)
         cells = [replace(c, x=px, y=py) for c, (px, py) in zip(cells, x)]
-    return cells
+    return with_cholangiocytes(cells, cholangiocytes) if cholangiocytes else cells
 
 
-def ring(cells=8, radius=6.0, kind="dcm", type="hepatoblast", gap=0.0, jitter=0.0, seed=1):
-    """`cells` equal cells on one circle in the plane z = 0, each touching its two neighbours."""
+def meeting_points(cells, apart=1.5):
+    """Triangles (t, 3) of cells that meet in a point of the plane z = 0 (Delaunay), without those
+    with two cells farther apart than `apart` times their summed radii."""
+    from scipy.spatial import Delaunay
+
+    x = np.array([[c.x, c.y] for c in cells])
+    r = np.array([c.radius for c in cells])
+    triangles = Delaunay(x).simplices
+    next_ = np.roll(triangles, 1, axis=1)
+    length = np.linalg.norm(x[triangles] - x[next_], axis=2)
+    return triangles[(length < apart * (r[triangles] + r[next_])).all(axis=1)]
+
+
+def with_cholangiocytes(cells, number):
+    """`cells` with `number` DCM turned cholangiocytes and put first, see duct()."""
+    deformable = np.array([c.kind == "dcm" for c in cells])
+    if not 3 <= number <= deformable.sum():
+        raise SceneError(f"--cholangiocytes is {number}: a lumen begins between at least 3 of the "
+                         f"{deformable.sum()} deformable cells; 0 for none")
+    x = np.array([[c.x, c.y] for c in cells])
+    mesenchyme = np.array([c.type == "mesenchyme" for c in cells])
+    triangles = meeting_points(cells)
+    inner = np.zeros(len(cells), dtype=bool)    # those next to the mesenchyme
+    inner[triangles[mesenchyme[triangles].any(axis=1)]] = True
+    inner &= deformable
+    close = meeting_points(cells, 1.1)
+    meeting = close[deformable[close].all(axis=1) & (inner[close].sum(axis=1) >= 2)]
+    if not len(meeting):
+        raise SceneError("nowhere next to the mesenchyme do three deformable cells meet: raise "
+                         "--dcm-rings to 2 or more, or --sector")
+    points = x[meeting].mean(axis=1)
+    at = np.abs(np.arctan2(points[:, 1], points[:, 0])).argmin()
+    far = np.linalg.norm(x - points[at], axis=1)
+    far[meeting[at]] -= 1e6    # these three first
+    far[~deformable] = np.inf
+    first = np.argsort(far, kind="stable")[:number]
+    rest = [c for k, c in enumerate(cells) if k not in first]
+    return [replace(cells[k], type="cholangiocyte") for k in first] + rest
+
+
+def ring(cells=8, radius=6.0, kind="dcm", type="hepatoblast", around=0, gap=0.0, jitter=0.0,
+         seed=1):
+    """`cells` equal cells on one circle in the plane z = 0, each touching its two neighbours, and
+    `around` rings of spheres of type sphere around them, the last one of type outer.
+    """
     if cells < 3:
         raise SceneError(f"--cells is {cells}: a ring takes at least 3")
+    if around < 0:
+        raise SceneError(f"--around is {around}: it must not be negative")
     check_positive(radius=radius)
     check_gap(gap)
     rho = radius * (1.0 + gap) / math.sin(math.pi / cells)
     made = [Cell(type, kind, rho * math.cos(t), rho * math.sin(t), 0.0, radius)
             for t in 2.0 * math.pi * np.arange(cells) / cells]
+    for k in range(around):
+        rho += 2.0 * radius * (1.0 + gap) * math.sqrt(0.75)
+        n = ring_count(rho, radius, gap)
+        made += [Cell("outer" if k == around - 1 else "sphere", "cbm", rho * math.cos(t),
+                      rho * math.sin(t), 0.0, radius)
+                 for t in 2.0 * math.pi * (np.arange(n) + 0.5 * k) / n]
     return jittered(made, jitter, seed)
 
 
@@ -346,7 +406,7 @@ def add_arguments(parser):
 
     p = scene_parser("duct", duct, "portal vein with mesenchyme and hepatoblasts around it")
     p.add_argument("--size", choices=list(DUCT_SIZES), default="quick",
-                   help="preset for the four options that show None")
+                   help="preset for the options that show None")
     p.add_argument("--endothelium", type=int, help="cells in the innermost ring")
     p.add_argument("--rings", type=int, help="rings of hepatoblasts, the border ring included")
     p.add_argument("--dcm-rings", type=int, help="first rings of hepatoblasts that are DCM")
@@ -356,9 +416,12 @@ def add_arguments(parser):
     p.add_argument("--no-settle", dest="settled", action="store_false",
                    help="keep exact circles, with the voids between them")
     p.add_argument("--mesenchyme-rings", type=int, default=1, help="rings of mesenchyme")
+    p.add_argument("--cholangiocytes", type=int, help="so many DCM around a point next to the "
+                   "mesenchyme are cholangiocytes")
     randomness(p)
     p = scene_parser("ring", ring, "one circle of equal cells")
     p.add_argument("--cells", type=int, default=8, help="number of cells")
+    p.add_argument("--around", type=int, default=0, help="rings of spheres around them")
     one_type(p)
     randomness(p)
     p = scene_parser("spheroid", spheroid, "close-packed ball of cells, DCM inside")

@@ -30,7 +30,7 @@ from MDAnalysis.topology.base import TopologyReaderBase
 
 SPHERE, CENTER, NODE, FACE, TRACER = 1, 2, 3, 4, 5
 KIND_NAMES = {0: "unknown", 1: "sphere", 2: "center", 3: "node", 4: "face", 5: "tracer"}
-REGION_NAMES = {0: "basal/lateral", 1: "polar", 2: "apical", 3: "tight junction"}
+REGION_NAMES = {0: "lateral", 1: "polar", 2: "apical", 3: "junction", 4: "basal"}
 
 ATOM_COLUMNS = ("id", "mol", "type", "kind", "radius", "x", "y", "z", "v1", "v2", "v3", "region",
                 "volume0")
@@ -54,7 +54,7 @@ class Kinds(AtomAttr):
 
 
 class Regions(AtomAttr):
-    """Surface region of a face: 0 basal/lateral, 1 polar, 2 apical, 3 tight junction."""
+    """Surface region of a face: 0 lateral, 1 polar, 2 apical, 3 tight junction, 4 basal."""
 
     attrname, singular, per_object, dtype = "regions", "region", "atom", int
 
