@@ -374,7 +374,9 @@ def test_the_last_secreting_cell_dies(lmp, scenes):
             + scene.volume() + "group source molecule 1\n"
             + f"fix growth all dcm/growth {scene.map} seed 3 cycle_time 1e9\n"
             + "fix dying source dcm/death all every 10\n"
-            + osmosis(f"pressure 0.1 marks flood slab z -4 4 secrete source every 5 memory {memory}")
+            + osmosis(
+                "pressure 0.1 marks flood slab z -4 4 secrete source every 5 memory " + memory
+            )
             + scene.motion() + values(scenes, 1) + "timestep 1.0\nrun 30\n",
             files=files,
         )  # fmt: skip
