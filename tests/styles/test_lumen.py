@@ -125,7 +125,8 @@ def test_confine_holds_its_force(lmp, scenes):
     )  # fmt: skip
     held = lmp(
         scene.head() + scene.cortex() + scene.contact() + parts.format("")
-        + "run 20\nfix_modify press hold yes\nrestart 10 r.*\nrun 20\nfix_modify press hold no\nrun 10\n"
+        + "run 20\nfix_modify press hold yes\nrestart 10 r.*\nrun 20\n"
+        + "fix_modify press hold no\nrun 10\n"
     )  # fmt: skip
     force = [[row["v_force"] for row in run] for run in held.runs]
     assert len(set(force[0])) > 3 and force[0][-1] > 0.0
