@@ -30,16 +30,14 @@ static const std::string STYLE = "Compute dcm/face";
 // as enum Value
 
 static const std::vector<std::string> NAMES = {
-    "area", "contact_area", "free_area", "stress", "curvature", "nx", "ny", "nz", "region",
-    "mark"};
+    "area", "contact_area", "free_area", "stress", "curvature", "nx", "ny", "nz", "region", "mark"};
 
 /* ----------------------------------------------------------------------
    compute ID group dcm/face value1 value2 ...
 ------------------------------------------------------------------------- */
 
 ComputeDCMFace::ComputeDCMFace(LAMMPS *lmp, int narg, char **arg) :
-    Compute(lmp, narg, arg), nmax(0), dcm(nullptr), cell(nullptr), contact(nullptr),
-    marks(nullptr)
+    Compute(lmp, narg, arg), nmax(0), dcm(nullptr), cell(nullptr), contact(nullptr), marks(nullptr)
 {
   AtomVecDCM::require(lmp, STYLE);
   const std::string known = utils::join_words(NAMES, " ");
@@ -83,8 +81,10 @@ void ComputeDCMFace::init()
   for (auto *const role : DCMRole::of(lmp))
     if (role->marked_faces()) marks = role;
   if (wants(MARK) && !marks)
-    error->all(FLERR, "{}: value mark needs a style that marks faces; add a fix dcm/osmosis or "
-               "remove the value", STYLE);
+    error->all(FLERR,
+               "{}: value mark needs a style that marks faces; add a fix dcm/osmosis or "
+               "remove the value",
+               STYLE);
   for (int value : columns)
     if (!contact && (value == CONTACT_AREA || value == FREE_AREA || value == STRESS))
       error->all(FLERR, "{}: value {} needs pair_style dcm/contact; add it or remove the value",

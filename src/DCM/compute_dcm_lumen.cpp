@@ -37,9 +37,9 @@ static const char STYLE[] = "Compute dcm/lumen";
 ------------------------------------------------------------------------- */
 
 ComputeDCMLumen::ComputeDCMLumen(LAMMPS *lmp, int narg, char **arg) :
-    Compute(lmp, narg, arg), plane(2), at(0.0), has_plane(false), has_slab(false), lo(0.0),
-    hi(0.0), least(0.0), range(0.0), cell(nullptr), contact(nullptr), marks(nullptr),
-    graph(lmp, STYLE), found_at(-1), nmax(0), nrows(0)
+    Compute(lmp, narg, arg), plane(2), at(0.0), has_plane(false), has_slab(false), lo(0.0), hi(0.0),
+    least(0.0), range(0.0), cell(nullptr), contact(nullptr), marks(nullptr), graph(lmp, STYLE),
+    found_at(-1), nmax(0), nrows(0)
 {
   AtomVecDCM::require(lmp, STYLE);
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"plane", "slab", "min", "range"});
@@ -162,8 +162,8 @@ void ComputeDCMLumen::find_sets()
     if (!(it.wall > least)) continue;
     vec(it.center) = vec(first[s]) + vec(it.center) / it.wall;
     std::sort(molecules[s].begin(), molecules[s].end());
-    it.ncells = (int) (std::unique(molecules[s].begin(), molecules[s].end()) -
-                       molecules[s].begin());
+    it.ncells =
+        (int) (std::unique(molecules[s].begin(), molecules[s].end()) - molecules[s].begin());
     it.set = s;
     lumens.push_back(it);
   }
@@ -286,5 +286,5 @@ void ComputeDCMLumen::unpack_forward_comm(int n, int first, double *buf)
 double ComputeDCMLumen::memory_usage()
 {
   return (double) nmax * sizeof(double) + (double) state.capacity() * sizeof(int) +
-      graph.memory_usage();
+         graph.memory_usage();
 }

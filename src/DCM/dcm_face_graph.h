@@ -19,9 +19,9 @@
 
 namespace LAMMPS_NS {
 
-// Which faces are linked by the space in front of them (law/flood.h), over all processes: each finds
-// the links of its own faces, all of them get all faces and links, and find the same sets of faces
-// by atom IDs, so that nothing depends on the number of processes.
+// Which faces are linked by the space in front of them (law/flood.h), over all processes: each
+// finds the links of its own faces, all of them get all faces and links, and find the same sets of
+// faces by atom IDs, so that nothing depends on the number of processes.
 //
 //   DCMFaceGraph graph(lmp, STYLE);
 //   graph.collect(range);                       // in every look, before opposite() and build()

@@ -51,15 +51,14 @@ static constexpr double MIN_STEPS = 10.0;     // least tau in steps
 FixDCMConfine::FixDCMConfine(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cell(nullptr), target(0.0), measured_bit(0),
     axis(2), center{0.0, 0.0, 0.0}, tau(0.0), limit(10.0), outer_area(0.0), force(0.0),
-    reference(0.0), smooth(0.0), started(false), warned(false), hold(false), plane(-1), spring(0.0), at(0.0),
-    plane_bit(groupbit), energy(0.0), farthest(0.0)
+    reference(0.0), smooth(0.0), started(false), warned(false), hold(false), plane(-1), spring(0.0),
+    at(0.0), plane_bit(groupbit), energy(0.0), farthest(0.0)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
 
-  DCMArgs args(
-      lmp, STYLE, narg - 3, arg + 3,
-      {"pressure", "over", "axis", "center", "tau", "limit", "area", "plane", "at", "group",
-       "hold"});
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
+               {"pressure", "over", "axis", "center", "tau", "limit", "area", "plane", "at",
+                "group", "hold"});
   double offset[2] = {0.0, 0.0};
   std::string of_pressure, of_plane;    // keywords that need the other one
   while (args.next()) {

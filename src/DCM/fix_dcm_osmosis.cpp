@@ -51,10 +51,10 @@ static constexpr double FOREVER = std::numeric_limits<double>::infinity();
 FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), pressure(0.0), dilute(0.0), rate(0.0), kT(0.0), loss(FOREVER), least(1.0),
     solute(false), tracers(false), memory_kept(false), weigh_free(true), theta(0.05), range(0.0),
-    secrete_bit(groupbit), axis(-1), lo(0.0), hi(0.0), ramp(0.0), starter(NO_STARTER),
-    point{0.0, 0.0, 0.0}, radius(0.0), starting(0.0), now(), cell(nullptr), contact(nullptr),
-    graph(lmp, STYLE), tracer(nullptr), mark(nullptr), whole(nullptr), acting(0.0), worked(0.0),
-    measured(false), wall(0.0), net(0.0)
+    secrete_bit(groupbit), axis(-1), lo(0.0), hi(0.0), ramp(0.0),
+    starter(NO_STARTER), point{0.0, 0.0, 0.0}, radius(0.0), starting(0.0), now(), cell(nullptr),
+    contact(nullptr), graph(lmp, STYLE), tracer(nullptr), mark(nullptr), whole(nullptr),
+    acting(0.0), worked(0.0), measured(false), wall(0.0), net(0.0)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   nevery = 10;
@@ -175,8 +175,8 @@ void FixDCMOsmosis::init()
   auto &table = cell->change_cells();
   marked_area = table.add(STYLE, "marked_area", DCMColumn::RESET, 0.0, {}, marked_area);
   joined = table.add(STYLE, "secretes_since", DCMColumn::INHERIT, -1.0, {}, joined);
-  secrete_bit =
-      secretes.empty() ? groupbit : dcm_find_group(lmp, std::string(STYLE) + ": secrete", secretes);
+  secrete_bit = secretes.empty() ? groupbit
+                                 : dcm_find_group(lmp, std::string(STYLE) + ": secrete", secretes);
   if (!variable.empty()) {
     const int ivar = input->variable->find(variable.c_str());
     if (ivar < 0 || !input->variable->equalstyle(ivar))
@@ -195,8 +195,8 @@ void FixDCMOsmosis::init()
                "{}: marks tracer needs tracers; add a fix dcm/tracer before it, or use marks flood",
                STYLE);
   check_before_motion(lmp, this, STYLE);
-  for (const char *const style : {"dcm/growth", "dcm/division", "dcm/death", "dcm/convert",
-                                  "dcm/polarity", "dcm/tracer"})
+  for (const char *const style :
+       {"dcm/growth", "dcm/division", "dcm/death", "dcm/convert", "dcm/polarity", "dcm/tracer"})
     check_after(lmp, this, STYLE, style);
 }
 
@@ -430,9 +430,9 @@ double FixDCMOsmosis::compute_vector(int n)
 {
   if (!now.started) return 0.0;
   measure();
-  const double values[] = {wall,   (double) now.nfaces,    (double) now.ncells,
-                           sums.volume, acting,            std::fabs(acting) * net,
-                           sums.closure(), now.lost,       now.amount};
+  const double values[] = {wall,      (double) now.nfaces,     (double) now.ncells, sums.volume,
+                           acting,    std::fabs(acting) * net, sums.closure(),      now.lost,
+                           now.amount};
   return values[n];
 }
 

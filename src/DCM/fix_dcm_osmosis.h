@@ -67,22 +67,22 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   void cell_retyped(int, int) override { now.due = 1; }
 
  private:
-  double pressure;             // kPa
-  std::string variable;        // instead
-  double dilute;               // volume above which the pressure falls, 0: never
+  double pressure;                 // kPa
+  std::string variable;            // instead
+  double dilute;                   // volume above which the pressure falls, 0: never
   double rate, kT, loss, least;    // of solute; least: volume that counts at least
   bool solute;
   bool tracers, memory_kept, weigh_free;
   double theta, range;
-  std::string secretes;        // group, empty: that of the fix
-  int secrete_bit, axis;       // axis: of the slab, -1: none
+  std::string secretes;     // group, empty: that of the fix
+  int secrete_bit, axis;    // axis: of the slab, -1: none
   double lo, hi, ramp;
   enum { NO_STARTER, AT_POINT, APICAL } starter;
   double point[3], radius, starting;    // of the starter: where, and for how long
 
   struct State {    // kept in restart files
     int started, due, warned, nfaces, ncells, fill;
-    double born, begun;    // time of the first setup, of the first mark
+    double born, begun;                   // time of the first setup, of the first mark
     double amount, counted, secreting;    // solute, when it was counted, area that secretes it
     double work, lost;
     double center[3];    // volumes are measured from here

@@ -168,7 +168,7 @@ void FixDCMOsmosis::set_marks()
     if (face.state & DCMFaceGraph::SOURCE) reached[face.set] = 1;
   auto marked = [&](const DCMFaceGraph::Face &face) {
     return reached[face.set] ||
-        ((tracers || memory_kept) && (face.state & DCMFaceGraph::BEFORE) != 0);
+           ((tracers || memory_kept) && (face.state & DCMFaceGraph::BEFORE) != 0);
   };
 
   now.lost = 0.0;
@@ -204,8 +204,7 @@ void FixDCMOsmosis::set_marks()
     molecules.push_back(face.molecule);
   }
   std::sort(molecules.begin(), molecules.end());
-  now.ncells =
-      (int) (std::unique(molecules.begin(), molecules.end()) - molecules.begin());
+  now.ncells = (int) (std::unique(molecules.begin(), molecules.end()) - molecules.begin());
   if (first) vec(now.center) = vec(first->mid) + center / area;
   if (first && now.begun < 0.0) now.begun = table.time();
 
@@ -250,8 +249,8 @@ void FixDCMOsmosis::warn_if_open(double part)
 }
 
 /* ----------------------------------------------------------------------
-   daughters get the marks of the part of the mother's surface that they are made of. Where the mother
-   was is known to all processes only before she divides
+   daughters get the marks of the part of the mother's surface that they are made of. Where the
+mother was is known to all processes only before she divides
 ------------------------------------------------------------------------- */
 
 void FixDCMOsmosis::take_snapshot()
@@ -281,10 +280,9 @@ void FixDCMOsmosis::inherit()
   const double most = NEAR * cell->mean_edge();
   for (int f = 0; f < cell->nowned(); f++) {
     const auto &face = cell->faces()[f];
-    const auto birth =
-        std::find_if(newborn.begin(), newborn.end(), [this, &face](const Birth &it) {
-          return it.daughter == atom->molecule[face.atom];
-        });
+    const auto birth = std::find_if(newborn.begin(), newborn.end(), [this, &face](const Birth &it) {
+      return it.daughter == atom->molecule[face.atom];
+    });
     if (birth == newborn.end()) continue;
     for (const auto &it : snapshot) {
       if (it.molecule != birth->mother || mark[face.atom]) continue;

@@ -17,9 +17,7 @@ def lumen(options=""):
 
 
 def row_of(scenes, extra=()):
-    return scenes.thermo(
-        [*(f"l{k}=c_lumen[{k}]" for k in range(1, 8)), *extra], 1
-    )
+    return scenes.thermo([*(f"l{k}=c_lumen[{k}]" for k in range(1, 8)), *extra], 1)
 
 
 @pytest.mark.parametrize("np_", [1, 2, 4])
@@ -127,7 +125,8 @@ def test_confine_holds_its_force(lmp, scenes):
     )  # fmt: skip
     held = lmp(
         scene.head() + scene.cortex() + scene.contact() + parts.format("")
-        + "run 20\nfix_modify press hold yes\nrestart 10 r.*\nrun 20\nfix_modify press hold no\nrun 10\n"
+        + "run 20\nfix_modify press hold yes\nrestart 10 r.*\nrun 20\n"
+        + "fix_modify press hold no\nrun 10\n"
     )  # fmt: skip
     force = [[row["v_force"] for row in run] for run in held.runs]
     assert len(set(force[0])) > 3 and force[0][-1] > 0.0
@@ -142,7 +141,9 @@ def test_confine_holds_its_force(lmp, scenes):
     assert {row["v_force"] for row in rest.thermo} == {force[0][-1]}
     same(held.dump()[8], rest.dump()[-1], columns)
     # from the beginning: no force at all
-    never = lmp(scene.head() + scene.cortex() + scene.contact() + parts.format("hold yes") + "run 10\n")
+    never = lmp(
+        scene.head() + scene.cortex() + scene.contact() + parts.format("hold yes") + "run 10\n"
+    )
     assert {row["v_force"] for row in never.thermo} == {0.0}
 
 
@@ -153,4 +154,6 @@ def test_confine_hold_is_checked(lmp, scenes):
     fails(lmp, whole(scene, extra=plane.format("hold yes")), "keyword hold needs keyword pressure")
     modify = "fix_modify press hold "
     fails(lmp, whole(scene, extra=fix.format("") + modify + "x\n"), "hold must be yes or no, not x")
-    fails(lmp, whole(scene, extra=plane.format("") + modify + "yes\n"), "hold needs keyword pressure")
+    fails(
+        lmp, whole(scene, extra=plane.format("") + modify + "yes\n"), "hold needs keyword pressure"
+    )

@@ -164,7 +164,9 @@ def ring(scenes, level=1, boundary="s s s", gap=-0.6):
     d = (6.0 + gap / 2) * math.sqrt(2)
     for k in range(4):
         phi = 0.1 + k * math.pi / 2
-        scene.dcm(d * math.cos(phi), d * math.sin(phi), 0.0, 6.0, options=f"rotate {k + 1} rest 0.95")
+        scene.dcm(
+            d * math.cos(phi), d * math.sin(phi), 0.0, 6.0, options=f"rotate {k + 1} rest 0.95"
+        )
     return scene
 
 
@@ -189,7 +191,8 @@ def test_1_2_3_and_4_ranks_agree(lmp, scenes, boundary):
     deck = (
         ring_deck(scene, "pressure 0.3 ramp 20 marks flood" + (" slab z -4 4" if not shift else ""))
         + shift
-        + "compute lumen all dcm/lumen" + (" plane z 0 slab -3 3\n" if not shift else "\n")
+        + "compute lumen all dcm/lumen"
+        + (" plane z 0 slab -3 3\n" if not shift else "\n")
         + "compute mark all dcm/face mark\n"
         + scene.motion()
         + scenes.dump("id mol type c_mark c_lumen xu yu zu", 20)
@@ -371,13 +374,17 @@ def test_the_last_secreting_cell_dies(lmp, scenes):
             + scene.volume() + "group source molecule 1\n"
             + f"fix growth all dcm/growth {scene.map} seed 3 cycle_time 1e9\n"
             + "fix dying source dcm/death all every 10\n"
-            + osmosis(f"pressure 0.1 marks flood slab z -4 4 secrete source every 5 memory {memory}")
+            + osmosis(
+                "pressure 0.1 marks flood slab z -4 4 secrete source every 5 memory " + memory
+            )
             + scene.motion() + values(scenes, 1) + "timestep 1.0\nrun 30\n",
             files=files,
         )  # fmt: skip
         assert get(result.thermo[5], "cells") == 4
         last = result.thermo[-1]
-        assert (get(last, "cells"), get(last, "faces") > 5) == ((3, True) if memory == "yes" else (0, False))
+        assert (get(last, "cells"), get(last, "faces") > 5) == (
+            (3, True) if memory == "yes" else (0, False)
+        )
         assert get(last, "force") >= 0.0
 
 

@@ -161,8 +161,8 @@ TEST(Lumen, ForceIsTheGradientOfPV)
   Vec3 net = Vec3::Zero(), torque = Vec3::Zero();
   double scale = 0.0;
   for (const auto &f : wall.faces) {
-    const Vec3 n = 0.5 * (wall.nodes[f[1]] - wall.nodes[f[0]])
-                             .cross(wall.nodes[f[2]] - wall.nodes[f[0]]);
+    const Vec3 n =
+        0.5 * (wall.nodes[f[1]] - wall.nodes[f[0]]).cross(wall.nodes[f[2]] - wall.nodes[f[0]]);
     for (const int v : f) force[v] += lumen_force(P, n.norm(), n.normalized());
     scale += P * n.norm();
   }

@@ -22,13 +22,13 @@ namespace dcm {
 /// A face as the flood sees it.
 struct FloodFace {
   std::array<Vec3, 3> corner;
-  Vec3 mid, normal;                       ///< centroid; unit, out of the cell
-  double reach = 0.0;                     ///< farthest corner from the centroid
-  std::int64_t tag = 0, cell = 0;         ///< cell: any ID
-  std::array<std::int64_t, 3> vertex;     ///< tags
-  bool node = false;                      ///< may be linked
-  bool shut = false;                      ///< in contact: the slit in front of it is shut
-  bool own = false;                       ///< links to faces of higher tags are decided here
+  Vec3 mid, normal;                      ///< centroid; unit, out of the cell
+  double reach = 0.0;                    ///< farthest corner from the centroid
+  std::int64_t tag = 0, cell = 0;        ///< cell: any ID
+  std::array<std::int64_t, 3> vertex;    ///< tags
+  bool node = false;                     ///< may be linked
+  bool shut = false;                     ///< in contact: the slit in front of it is shut
+  bool own = false;                      ///< links to faces of higher tags are decided here
 
   void measure()
   {

@@ -15,11 +15,11 @@ namespace dcm {
 
 /// Sums over faces; those of several processes are added up.
 struct LumenSums {
-  double volume = 0.0;                          ///< um^3
-  double area = 0.0;                            ///< of the wall, um^2
-  Vec3 area_vector = Vec3::Zero();              ///< sum of A n, zero if closed
-  double section = 0.0, perimeter = 0.0;        ///< of the outline in the plane
-  Vec3 outline = Vec3::Zero();                  ///< sum of its sides, zero if closed
+  double volume = 0.0;                      ///< um^3
+  double area = 0.0;                        ///< of the wall, um^2
+  Vec3 area_vector = Vec3::Zero();          ///< sum of A n, zero if closed
+  double section = 0.0, perimeter = 0.0;    ///< of the outline in the plane
+  Vec3 outline = Vec3::Zero();              ///< sum of its sides, zero if closed
 
   void add(const LumenSums &other)
   {
