@@ -37,7 +37,8 @@ class DCMRole {
     GIVES_PRESSURE = 2U,    // contributes to the pressure of deformable cells
     GROWS_SPHERES = 4U,     // radii of spheres grow in a run, or larger spheres come
     MAKES_CELLS = 8U,       // cells appear in a run or change their kind: empty types may fill
-    MAKES_READY = 16U       // brings cells to phase READY, to divide
+    MAKES_READY = 16U,      // brings cells to phase READY, to divide
+    HAS_TRACERS = 32U       // touch_faces() tells what tracers are near to
   };
 
   virtual unsigned traits() const { return 0U; }

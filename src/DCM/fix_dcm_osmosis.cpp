@@ -187,7 +187,7 @@ void FixDCMOsmosis::init()
   makers.clear();
   for (auto *const fix : modify->get_fix_list()) {
     auto *const role = dynamic_cast<DCMRole *>(fix);
-    if (role && (role->traits() & HOLDS_TRACERS)) tracer = role;
+    if (role && (role->traits() & HAS_TRACERS)) tracer = role;
     if (role && (role->traits() & MAKES_CELLS)) makers.push_back(fix);
   }
   if (tracers && !tracer)
