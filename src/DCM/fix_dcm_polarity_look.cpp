@@ -69,13 +69,14 @@ void FixDCMPolarity::sum_free_faces()
   const auto &table = cell->cells();
   const auto &faces = cell->faces();
   const double *const covered = contact->contact_area();
-  // marks of the step before: whoever makes them comes after this fix
+  // marks of the step before: whoever makes them comes after this fix. A marked face counts in
+  // contact as well, as those of a lumen that is just being opened
   const int *const marked = sees_lumen && marks ? marks->marked_faces() : nullptr;
   for (int f = 0; f < cell->nowned(); f++) {
     if (sees_lumen && !(marked && marked[faces[f].atom])) continue;
     const int row = faces[f].cell;
     const double area = cell->area(f), free = area - covered[faces[f].atom];
-    if (!due[row] || !(area - free < theta * area)) continue;
+    if (!due[row] || !(sees_lumen || area - free < theta * area)) continue;
     const double weight = by_area ? free * table[row].nfaces / table[row].area : 1.0;
     sums[row].normals.add(weight * outward[f]);
     sums[row].nfree++;

@@ -133,7 +133,9 @@ def draw_section(section, output, size=1000, window=None, names=None, note=None)
     x0, x1, y0, y1 = window or section.window()
     types = sorted({t for _, t in section.cells} | {t for *_, t in section.circles} | set(names),
                    key=lambda t: (len(t), t))
-    color = {t: TYPE_COLORS[n % len(TYPE_COLORS)] for n, t in enumerate(types)}
+    called = {t: names.get(t, f"type {t}") for t in types}    # types of one name look alike
+    order = list(dict.fromkeys(called.values()))
+    color = {t: TYPE_COLORS[order.index(called[t]) % len(TYPE_COLORS)] for t in types}
     figure = pyplot.figure(figsize=(size / 100, size / 100), dpi=100)
     axes = figure.add_axes((0.0, 0.0, 1.0, 0.94))
     point = 0.94 * size / 100 * 72 / (y1 - y0)    # points per um
@@ -169,8 +171,9 @@ def draw_section(section, output, size=1000, window=None, names=None, note=None)
         handles.append(Line2D([], [], color="#333333", marker=r"$\rightarrow$", ms=12, lw=0,
                               label="apical vector"))
     shown = {t for _, t in section.cells} | {t for *_, t in section.circles}
-    handles = [Patch(facecolor=color[t], edgecolor="#b5b5b5", label=names.get(t, f"type {t}"))
-               for t in types if t in shown] + handles
+    colors = {called[t]: color[t] for t in types if t in shown}
+    handles = [Patch(facecolor=c, edgecolor="#b5b5b5", label=name)
+               for name, c in colors.items()] + handles
     axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal")
     axes.set_axis_off()
     bar = 10.0 if x1 - x0 > 25.0 else 2.0
