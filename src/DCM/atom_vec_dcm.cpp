@@ -160,16 +160,21 @@ void AtomVecDCM::data_atom_post(int ilocal)
   } else if (kind == TRACER) {
     for (int k = 0; k < 3; k++)
       if (data->vertex[ilocal][k] < 0)
-        error->one(FLERR,
-                   "Atom style dcm: tracer {} has {} {}, must not be negative (home: molecule ID of "
-                   "the cell it is in, 0 outside; host and place on it: 0 unless it is caught)",
-                   tag, k == HOME ? "home" : k == HOST ? "host" : "place on its host",
-                   data->vertex[ilocal][k]);
+        error->one(
+            FLERR,
+            "Atom style dcm: tracer {} has {} {}, must not be negative (home: molecule ID of "
+            "the cell it is in, 0 outside; host and place on it: 0 unless it is caught)",
+            tag,
+            k == HOME   ? "home"
+            : k == HOST ? "host"
+                        : "place on its host",
+            data->vertex[ilocal][k]);
     if (atom->molecule[ilocal] != 0)
-      error->one(FLERR,
-                 "Atom style dcm: tracer {} has molecule ID {}, must be 0: it is no part of a cell; "
-                 "the cell it is in is its home, in the place of the first vertex",
-                 tag, atom->molecule[ilocal]);
+      error->one(
+          FLERR,
+          "Atom style dcm: tracer {} has molecule ID {}, must be 0: it is no part of a cell; "
+          "the cell it is in is its home, in the place of the first vertex",
+          tag, atom->molecule[ilocal]);
   }
   atom->num_bond[ilocal] = 0;
   atom->num_dihedral[ilocal] = 0;

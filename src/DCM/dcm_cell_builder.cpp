@@ -134,8 +134,8 @@ void DCMCellBuilder::create(const Types &type, const Sphere &cell)
 void DCMCellBuilder::create(int type, const Tracer &tracer)
 {
   const double rest[3] = {0.0, 0.0, 0.0};
-  const int i = create_atom(tracer.x.data(), type, AtomVecDCM::TRACER, tracer.tag, 0, tracer.mask,
-                            rest);
+  const int i =
+      create_atom(tracer.x.data(), type, AtomVecDCM::TRACER, tracer.tag, 0, tracer.mask, rest);
   if (i >= 0) dcm->vertex[i][0] = tracer.home;
 }
 

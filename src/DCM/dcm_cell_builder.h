@@ -71,7 +71,7 @@ class DCMCellBuilder : protected Pointers {
     dcm::Vec3 x;
   };
 
-  struct Tracer {    // belongs to no molecule, so that it is no atom of a cell
+  struct Tracer {                // belongs to no molecule, so that it is no atom of a cell
     tagint tag = 0, home = 0;    // home: molecule of the cell it is in, 0: outside
     int mask = 1;
     dcm::Vec3 x;

@@ -122,10 +122,10 @@ void FixDCMTracer::parse(int narg, char **arg)
   }
   if (type == 0 || number < 0 || D < 0.0 || seed == 0)
     error->all(FLERR, "{}: keyword {} is missing; it needs type, number, D and seed", STYLE,
-               type == 0           ? "type"
-                   : number < 0    ? "number"
-                   : D < 0.0       ? "D"
-                                   : "seed");
+               type == 0    ? "type"
+               : number < 0 ? "number"
+               : D < 0.0    ? "D"
+                            : "seed");
 }
 
 int FixDCMTracer::setmask()
@@ -147,9 +147,8 @@ void FixDCMTracer::init()
 
   // a daughter of a secreting cell shares her mother's tracers, or gets her own as well
 
-  secretes = cell->change_cells().add(STYLE, "secretes",
-                                      topup ? DCMColumn::RESET : DCMColumn::INHERIT, 0.0, {},
-                                      secretes);
+  secretes = cell->change_cells().add(
+      STYLE, "secretes", topup ? DCMColumn::RESET : DCMColumn::INHERIT, 0.0, {}, secretes);
   cell->refresh();
   polarity = drift > 0.0 ? cell->cells().column("ax", polarity_field) : nullptr;
   if (drift > 0.0 && !polarity)
@@ -162,7 +161,8 @@ void FixDCMTracer::init()
   if (slab_axis >= 0) {
     const double lo = domain->boxlo[slab_axis], hi = domain->boxhi[slab_axis];
     if (slab_lo >= hi || slab_hi <= lo)
-      error->all(FLERR, "{}: slab {} {} {} lies outside the box, which reaches from {:.4g} to {:.4g}",
+      error->all(FLERR,
+                 "{}: slab {} {} {} lies outside the box, which reaches from {:.4g} to {:.4g}",
                  STYLE, "xyz"[slab_axis], slab_lo, slab_hi, lo, hi);
   }
   DCMCellSurgery::check_order(lmp, this, STYLE);
@@ -185,10 +185,11 @@ void FixDCMTracer::check_types()
   }
   MPI_Allreduce(MPI_IN_PLACE, wrong, 2, MPI_INT, MPI_MAX, world);
   if (wrong[0])
-    error->all(FLERR,
-               "{}: atom type {} holds atoms that are no tracers; give tracers an atom type of their "
-               "own",
-               STYLE, type);
+    error->all(
+        FLERR,
+        "{}: atom type {} holds atoms that are no tracers; give tracers an atom type of their "
+        "own",
+        STYLE, type);
   if (wrong[1])
     error->all(FLERR, "{}: there are tracers of atom type {}; they must be of type {}", STYLE,
                wrong[1], type);
@@ -215,8 +216,8 @@ void FixDCMTracer::choose_lengths()
   walk.delta = DELTA * scale;
   walk.most_bounces = bounce;
   walk.shut_range = slits_shut && contact ? contact->h0() : 0.0;
-  walk.near = std::max(std::clamp(1.3 * rms, NEAR_LEAST * scale, NEAR_MOST * scale),
-                       1.2 * walk.shut_range);
+  walk.near =
+      std::max(std::clamp(1.3 * rms, NEAR_LEAST * scale, NEAR_MOST * scale), 1.2 * walk.shut_range);
   slack = SLACK * walk.near;
   longest = MOST_SIGMA * std::sqrt(2.0 * D * dt) + drift * dt + 1.0e3 * walk.delta;
 }
@@ -251,13 +252,14 @@ void FixDCMTracer::set_limits()
   }
   MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, world);
   if (least < 0.0)
-    error->all(FLERR,
-               "{}: with D {} and a timestep of {} tracers move up to {:.4g} in a step (substeps {} "
-               "do not change that), and with the {:.4g} around them that they look at this is "
-               "{:.4g} beyond the faces that a rank knows; reduce D or the timestep, or set "
-               "'comm_modify cutoff {:.4g}'",
-               STYLE, D, update->dt, longest, substeps, walk.near, -least,
-               std::ceil(10.0 * (comm->get_comm_cutoff() - least) + 1.0) / 10.0);
+    error->all(
+        FLERR,
+        "{}: with D {} and a timestep of {} tracers move up to {:.4g} in a step (substeps {} "
+        "do not change that), and with the {:.4g} around them that they look at this is "
+        "{:.4g} beyond the faces that a rank knows; reduce D or the timestep, or set "
+        "'comm_modify cutoff {:.4g}'",
+        STYLE, D, update->dt, longest, substeps, walk.near, -least,
+        std::ceil(10.0 * (comm->get_comm_cutoff() - least) + 1.0) / 10.0);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -402,10 +404,11 @@ void FixDCMTracer::settle_all(double moved)
 
 void FixDCMTracer::no_place(int i)
 {
-  error->one(FLERR,
-             "{}: tracer {} has no place inside its cell {} at step {}: the cell's surface is folded "
-             "there; reduce the timestep or what deforms the cell",
-             STYLE, atom->tag[i], dcm->vertex[i][AtomVecDCM::HOME], update->ntimestep);
+  error->one(
+      FLERR,
+      "{}: tracer {} has no place inside its cell {} at step {}: the cell's surface is folded "
+      "there; reduce the timestep or what deforms the cell",
+      STYLE, atom->tag[i], dcm->vertex[i][AtomVecDCM::HOME], update->ntimestep);
 }
 
 /* ----------------------------------------------------------------------
@@ -417,8 +420,8 @@ void FixDCMTracer::walk_all()
 {
   double **x = atom->x, **hold = neighbor->get_xhold();
   const double dt = update->dt / substeps, sigma = std::sqrt(2.0 * D * dt);
-  const double most = MOST_SIGMA * sigma, most_whole = MOST_SIGMA * std::sqrt(2.0 * D * update->dt) +
-      drift * update->dt;
+  const double most = MOST_SIGMA * sigma,
+               most_whole = MOST_SIGMA * std::sqrt(2.0 * D * update->dt) + drift * update->dt;
   for (const int i : mine) {
     dcm::Tracer t = load(i);
     const Vec3 start = t.x;
@@ -451,8 +454,7 @@ void FixDCMTracer::walk_all()
 void FixDCMTracer::look_far()
 {
   bool follows = false;
-  for (int k = 0; k < 3; k++)
-    follows |= domain->boundary[k][0] >= 2 || domain->boundary[k][1] >= 2;
+  for (int k = 0; k < 3; k++) follows |= domain->boundary[k][0] >= 2 || domain->boundary[k][1] >= 2;
   const double distance = far > 0.0 ? far : follows ? FAR : -1.0;
   if (distance < 0.0) {
     kept.have_box = 1;
@@ -569,7 +571,8 @@ dcm::TracerCounts FixDCMTracer::summed() const
   dcm::TracerCounts all = before;
   dcm::TracerCounts sum = walk.count;
   static_assert(sizeof(sum) % sizeof(std::int64_t) == 0, "counts only");
-  MPI_Allreduce(MPI_IN_PLACE, &sum, sizeof(sum) / sizeof(std::int64_t), MPI_INT64_T, MPI_SUM, world);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, sizeof(sum) / sizeof(std::int64_t), MPI_INT64_T, MPI_SUM,
+                world);
   all.add(sum);
   return all;
 }

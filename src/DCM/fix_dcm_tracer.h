@@ -110,19 +110,19 @@ class FixDCMTracer : public Fix, public DCMRole {
   DCMTracerFaces faces;
   dcm::Voxels voxels;
   Walk walk;
-  std::vector<int> mine;               // tracers, by local index
-  std::vector<int> shut, *touched;     // per atom
-  std::vector<double> last_place;      // of the corners of faces, when tracers were settled
-  bool stale = true;                   // faces have been numbered anew
+  std::vector<int> mine;              // tracers, by local index
+  std::vector<int> shut, *touched;    // per atom
+  std::vector<double> last_place;     // of the corners of faces, when tracers were settled
+  bool stale = true;                  // faces have been numbered anew
   double slack = 0.0, since_build = 0.0;
-  double longest = 0.0;                // way of a tracer in a step
-  double largest = 0.0;                // reach of the largest face, all ranks
-  double limit_lo[3], limit_hi[3];     // beyond these the next step may not fit
+  double longest = 0.0;               // way of a tracer in a step
+  double largest = 0.0;               // reach of the largest face, all ranks
+  double limit_lo[3], limit_hi[3];    // beyond these the next step may not fit
   bool limited = false;
 
   // cells that came and went in this step
 
-  std::vector<tagint> fresh;    // with a new surface
+  std::vector<tagint> fresh;                           // with a new surface
   std::map<tagint, std::pair<tagint, tagint>> gone;    // and their daughters, 0: none
 
   static constexpr tagint DOOMED = -1;    // in place of WEIGHTS: to be deleted in this step

@@ -156,10 +156,11 @@ void FixDCMTracer::check_homes()
   if (tag == 0) return;
   tagint home = mine.tag == tag ? mine.home : 0;
   MPI_Allreduce(MPI_IN_PLACE, &home, 1, MPI_LMP_TAGINT, MPI_MAX, world);
-  error->all(FLERR,
-             "{}: tracer {} has home {}, but there is no deformable cell {}; delete the tracers of a "
-             "cell with it, or set their home to 0 (outside)",
-             STYLE, tag, home, home);
+  error->all(
+      FLERR,
+      "{}: tracer {} has home {}, but there is no deformable cell {}; delete the tracers of a "
+      "cell with it, or set their home to 0 (outside)",
+      STYLE, tag, home, home);
 }
 
 /* ----------------------------------------------------------------------
@@ -182,16 +183,18 @@ void FixDCMTracer::check_start()
       const tagint home = dcm->vertex[i][AtomVecDCM::HOME];
       if (home != 0 && home != shape.molecule) continue;
       const Vec3 x = near_cell(i, shape);
-      if (home == 0 && ((x - shape.lo).minCoeff() < 0.0 || (shape.hi - x).minCoeff() < 0.0)) continue;
+      if (home == 0 && ((x - shape.lo).minCoeff() < 0.0 || (shape.hi - x).minCoeff() < 0.0))
+        continue;
       if (shape.inside(x) == (home != 0)) continue;
       const Vec3 way = shape.nearest(x) - x;
       if (moved)
         shift(i, way);
       else if (way.norm() > 0.5 * walk.near && home != 0)
-        error->one(FLERR,
-                   "{}: tracer {} has home {} but is {:.4g} outside that cell; correct its position, "
-                   "or set its home to 0 (outside)",
-                   STYLE, atom->tag[i], home, way.norm());
+        error->one(
+            FLERR,
+            "{}: tracer {} has home {} but is {:.4g} outside that cell; correct its position, "
+            "or set its home to 0 (outside)",
+            STYLE, atom->tag[i], home, way.norm());
       else if (way.norm() > 0.5 * walk.near)
         error->one(FLERR,
                    "{}: tracer {} has home 0 (outside) but is {:.4g} deep in cell {}; correct its "
@@ -270,11 +273,12 @@ void FixDCMTracer::make(const std::vector<tagint> &molecules)
     const int wanted = std::max(0, number - inside[n]);
     const auto places = fill(shapes[n], wanted);
     if ((int) places.size() < wanted && update->setupflag)
-      error->all(FLERR,
-                 "{}: cell {} of group {} has no room for tracers in slab {} {} {}; move the slab, or "
-                 "take the cell out of the group",
-                 STYLE, shapes[n].molecule, group->names[igroup], "xyz"[std::max(0, slab_axis)],
-                 slab_lo, slab_hi);
+      error->all(
+          FLERR,
+          "{}: cell {} of group {} has no room for tracers in slab {} {} {}; move the slab, or "
+          "take the cell out of the group",
+          STYLE, shapes[n].molecule, group->names[igroup], "xyz"[std::max(0, slab_axis)], slab_lo,
+          slab_hi);
     surgery.insert(type, common == ~0 ? 1 : common | 1, shapes[n].molecule, places);
     (*secretes)(cell->cells().find(shapes[n].molecule)) = 1.0;
   }
@@ -330,8 +334,8 @@ std::vector<tagint> FixDCMTracer::heirs(tagint molecule) const
 }
 
 /* ----------------------------------------------------------------------
-   a tracer whose cell has divided belongs to the daughter it is in, else to the nearer one; those of
-   a cell that is gone are deleted or set free; nobody outside is inside a new surface
+   a tracer whose cell has divided belongs to the daughter it is in, else to the nearer one; those
+of a cell that is gone are deleted or set free; nobody outside is inside a new surface
 ------------------------------------------------------------------------- */
 
 void FixDCMTracer::hand_on()
@@ -454,8 +458,9 @@ void FixDCMTracer::pre_neighbor()
   const int bit = group->bitmask[ghost_group];
   for (int i = 0; i < atom->nlocal; i++)
     if (dcm->kind[i] != AtomVecDCM::TRACER && !(atom->mask[i] & bit))
-      error->one(FLERR,
-                 "{}: atom {} has come at step {} after this fix has acted; define the fix that makes "
-                 "atoms before this fix",
-                 STYLE, atom->tag[i], update->ntimestep);
+      error->one(
+          FLERR,
+          "{}: atom {} has come at step {} after this fix has acted; define the fix that makes "
+          "atoms before this fix",
+          STYLE, atom->tag[i], update->ntimestep);
 }

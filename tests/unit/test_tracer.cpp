@@ -1,8 +1,8 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
 // law/tracer.h and law/voxels.h against closed forms: diffusion, uniform density, narrow escape,
-// shares of volume; and no leaks, judged by the solid angle, which the code under test does not use.
-// DCM_TRACER_REPEAT=N takes N times the tracers' steps (tools/bench tracer).
+// shares of volume; and no leaks, judged by the solid angle, which the code under test does not
+// use. DCM_TRACER_REPEAT=N takes N times the tracers' steps (tools/bench tracer).
 
 #include "helpers.h"
 #include "law/mesh.h"
@@ -137,10 +137,9 @@ Vec3 round_cell(int, const Vec3 &u, double)
 
 double bumps(int c, const Vec3 &u, double t, double height, double rate)
 {
-  return height *
-      (std::sin(5.0 * u[0] + 3.0 * u[1] + rate * t + c) *
-           std::cos(4.0 * u[2] - 2.0 * u[0] + 0.7 * rate * t) +
-       0.6 * std::sin(7.0 * u[1] - 3.0 * u[2] + 1.3 * rate * t + 2.0 * c));
+  return height * (std::sin(5.0 * u[0] + 3.0 * u[1] + rate * t + c) *
+                       std::cos(4.0 * u[2] - 2.0 * u[0] + 0.7 * rate * t) +
+                   0.6 * std::sin(7.0 * u[1] - 3.0 * u[2] + 1.3 * rate * t + 2.0 * c));
 }
 
 Vec3 step(int tag, std::int64_t n, double rms)
@@ -270,14 +269,14 @@ TEST(Tracer, AdversarialPaths)
     const Vec3 p = face.corner[0], u = face.corner[1] - p, v = face.corner[2] - p;
     const int kind = int(8.0 * random.uniform());
     const double a = random.uniform(), b = random.uniform() * (1.0 - a);
-    const Vec3 target = kind == 0 ? p
-        : kind == 1               ? Vec3(p + 0.5 * u)
-        : kind == 2               ? Vec3(p + a * u)
-                                  : Vec3(p + a * u + b * v);
+    const Vec3 target = kind == 0   ? p
+                        : kind == 1 ? Vec3(p + 0.5 * u)
+                        : kind == 2 ? Vec3(p + a * u)
+                                    : Vec3(p + a * u + b * v);
     const bool in = random.uniform() < 0.5;
-    const double off = kind == 3 ? 2.0e-7 * scene.edge
-        : kind == 4              ? 1.0e-9 * scene.edge
-                                 : 0.8 * (0.01 + random.uniform());
+    const double off = kind == 3   ? 2.0e-7 * scene.edge
+                       : kind == 4 ? 1.0e-9 * scene.edge
+                                   : 0.8 * (0.01 + random.uniform());
     Tracer t;
     t.home = in ? 1 : Tracer::OUTSIDE;
     t.x = kind >= 3 && kind <= 5 ? Vec3(target + (in ? -off : off) * face.normal)
@@ -287,7 +286,7 @@ TEST(Tracer, AdversarialPaths)
     if (kind == 3 || kind == 4 || kind == 6) {    // along the face
       d = random.unit_vector();
       d -= (1.0 - (kind == 6 ? 0.0 : 1.0e-9 * (random.uniform() - 0.5))) * d.dot(face.normal) *
-          face.normal;
+           face.normal;
       d = (kind == 6 ? 1.9 : 1.5 * random.uniform()) * d.normalized();
     } else {
       d = (target - t.x) * (kind < 3 ? 2.0 : 1.0 + random.uniform());
@@ -351,8 +350,8 @@ TEST(Tracer, ClosedCell)
   }
 }
 
-// Mean time to leave through a cap: V/(4 D a), narrow escape in its leading order, and nobody leaves
-// elsewhere.
+// Mean time to leave through a cap: V/(4 D a), narrow escape in its leading order, and nobody
+// leaves elsewhere.
 TEST(Tracer, NarrowEscape)
 {
   Scene scene(1, 2, 17, round_cell);
@@ -403,8 +402,8 @@ TEST(Tracer, MovingCells)
     int level;
     double speed, step;    // displacement of the fastest node and rms step, in edges
   };
-  for (const Case &it : {Case{2, 0.02, 0.3}, Case{2, 0.1, 0.05}, Case{2, 0.1, 1.0},
-                         Case{3, 0.1, 2.0}}) {
+  for (const Case &it :
+       {Case{2, 0.02, 0.3}, Case{2, 0.1, 0.05}, Case{2, 0.1, 1.0}, Case{3, 0.1, 2.0}}) {
     auto gap = [](double t) {
       return 0.2 + 0.3 * std::sin(0.37 * t);    // closed for a third of the time
     };
@@ -414,7 +413,7 @@ TEST(Tracer, MovingCells)
         return Vec3(std::cos(a), std::sin(a), 0.0);
       };
       Vec3 y = 6.1 * axis(c) + Vec3(0.0, 0.0, 0.2 * std::sin(0.11 * t + c)) +
-          (R + bumps(c, u, t, 0.35, 0.5)) * u;
+               (R + bumps(c, u, t, 0.35, 0.5)) * u;
       for (int k = 1; k <= 2; k++) {    // flattened toward both neighbors
         const Vec3 toward = (axis((c + k) % 3) - axis(c)).normalized();
         const double over = y.dot(toward) + 0.5 * gap(t);
@@ -631,7 +630,7 @@ TEST(Tracer, IndependentOfOrderAndVoxels)
       const auto &face = scene.faces[(i * 31 + n) % scene.faces.size()];
       const Vec3 target = n % 4 ? face.corner[0] : Vec3(0.5 * (face.corner[0] + face.corner[1]));
       const Vec3 d = i % 2 && (target - a[i].x).norm() < 3.0 ? Vec3(2.0 * (target - a[i].x))
-                                                              : step(int(i) + 1, n, 1.5);
+                                                             : step(int(i) + 1, n, 1.5);
       one.walk(a[i], d);
       other.walk(b[i], d);
       ASSERT_EQ(a[i].x, b[i].x);

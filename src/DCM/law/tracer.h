@@ -31,8 +31,8 @@ namespace dcm {
 struct TracerFace {
   Vec3 corner[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   Vec3 mid = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();     ///< unit, outward; zero for a degenerate face
-  double reach = 0.0;             ///< farthest corner from mid
+  Vec3 normal = Vec3::Zero();    ///< unit, outward; zero for a degenerate face
+  double reach = 0.0;            ///< farthest corner from mid
   std::int64_t tag = 0, cell = 0;
   bool open = false;     ///< apical: lets tracers out
   bool shut = false;     ///< in contact with another cell: the slit before it is no place
@@ -46,8 +46,8 @@ struct TracerFace {
     const double length = twice.norm();
     normal = length > 0.0 ? Vec3(twice / length) : Vec3(Vec3::Zero());
     mid = (a + b + c) / 3.0;
-    reach = std::sqrt(std::max(
-        {(a - mid).squaredNorm(), (b - mid).squaredNorm(), (c - mid).squaredNorm()}));
+    reach = std::sqrt(
+        std::max({(a - mid).squaredNorm(), (b - mid).squaredNorm(), (c - mid).squaredNorm()}));
   }
   Vec3 nearest(const Vec3 &x) const
   {
@@ -68,14 +68,14 @@ struct Tracer {
 /// What has happened to tracers.
 struct TracerCounts {
   std::int64_t steps = 0, bounces = 0;
-  std::int64_t exits = 0;        ///< have left their cell
-  std::int64_t swept = 0;        ///< a moving face has passed over them; put back
-  std::int64_t caught = 0;       ///< a gap has closed on them
-  std::int64_t released = 0;     ///< ... and opened again
-  std::int64_t rejected = 0;     ///< the end of a path could not be verified: no move
-  std::int64_t capped = 0;       ///< too many reflections: no move
-  std::int64_t blocked = 0;      ///< at an open face with another cell right behind it: reflected
-  std::int64_t shut_out = 0;     ///< the end lies in a slit that is shut: no move
+  std::int64_t exits = 0;       ///< have left their cell
+  std::int64_t swept = 0;       ///< a moving face has passed over them; put back
+  std::int64_t caught = 0;      ///< a gap has closed on them
+  std::int64_t released = 0;    ///< ... and opened again
+  std::int64_t rejected = 0;    ///< the end of a path could not be verified: no move
+  std::int64_t capped = 0;      ///< too many reflections: no move
+  std::int64_t blocked = 0;     ///< at an open face with another cell right behind it: reflected
+  std::int64_t shut_out = 0;    ///< the end lies in a slit that is shut: no move
 
   void add(const TracerCounts &other)
   {
@@ -100,7 +100,7 @@ inline double face_winding(const Vec3 &x, const Vec3 &p, const Vec3 &q, const Ve
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   return std::atan2(a.dot(b.cross(c)),
                     la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb) /
-      (2.0 * PI);
+         (2.0 * PI);
 }
 
 /// Moves tracers among faces. Faces: size() and [f], a TracerFace. One per process.
@@ -185,7 +185,7 @@ template <class Faces> class TracerWalk {
       if (side.face < 0 || !side.inside()) continue;
       if (!wrong) return false;
       const bool deeper = ok || side.d2 > wrong->d2 ||
-          (side.d2 == wrong->d2 && faces[side.face].tag < faces[wrong->face].tag);
+                          (side.d2 == wrong->d2 && faces[side.face].tag < faces[wrong->face].tag);
       if (deeper) *wrong = side;
       ok = false;
     }
@@ -262,9 +262,9 @@ template <class Faces> class TracerWalk {
 
  private:
   static constexpr double ENDLESS = 1.0e300, TIE = 1.0e-10, TINY = 1.0e-30;
-  static constexpr double WIDE = 1.0 + 1.0e-9;        // what round-off of heights may hide
-  static constexpr double TOLERANCE = 4.0;            // in delta: a start behind a plane, still before it
-  static constexpr double EDGE = 1.0e-12;             // dilation of faces: nothing passes between two
+  static constexpr double WIDE = 1.0 + 1.0e-9;    // what round-off of heights may hide
+  static constexpr double TOLERANCE = 4.0;    // in delta: a start behind a plane, still before it
+  static constexpr double EDGE = 1.0e-12;     // dilation of faces: nothing passes between two
   static constexpr int TRIES = 12, MOST_DOUBLED = 8;    // of put_back()
 
   Faces &faces;
@@ -348,7 +348,7 @@ template <class Faces> class TracerWalk {
     const double unit = 1.0 / Tracer::WEIGHTS, second = unit * t.weight[0],
                  third = unit * t.weight[1];
     return (1.0 - second - third) * face.corner[0] + second * face.corner[1] +
-        third * face.corner[2];
+           third * face.corner[2];
   }
 
   // free again where the point above the face is outside all cells
