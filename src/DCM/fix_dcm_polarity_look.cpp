@@ -129,8 +129,8 @@ void FixDCMPolarity::set_regions()
   for (int f = 0; f < cell->nowned(); f++) {
     const int row = faces[f].cell;
     if (!due[row]) continue;
-    const int region =
-        has_vectors(row) ? mine[row].region(A(row), P(row), outward[f]) : dcm::LATERAL;
+    const int region = has_vectors(row) ? mine[row].region(A(row), P(row), outward[f])
+                                        : dcm::LATERAL;
     if (region != dcm->region[faces[f].atom]) {
       cell->set_region(f, region);
       nchanged++;
