@@ -8,8 +8,9 @@ from .test_polarity import Seen, deck_of
 def test_sees_lumen(lmp, scenes):
     """A is the direction of the faces that were marked in the step before, in contact or not."""
     scene = scenes.doublet(level=2)
-    extra = ("compute m all dcm/face mark\n")
-    osmosis = ("fix osmosis all dcm/osmosis pressure 0.0 marks flood starter 0 0 0 3 100 every 1\n")
+    extra = "compute m all dcm/face mark\n"
+    osmosis = ("fix osmosis all dcm/osmosis pressure 0.0 marks flood slab x -1.5 1.5 "
+               "starter 0 0 0 3 100 every 1\n")
     deck = deck_of(scene, scenes, "sees lumen apical 0.9 init variable v_one v_zero v_zero every 1",
                    before="variable one atom 0.6*(x<0)-0.6*(x>0)\nvariable zero atom 0.1\n",
                    motion=osmosis + scene.motion(), extra=extra)
