@@ -50,14 +50,15 @@ static_assert(static_cast<int>(dcm::LATERAL) == AtomVecDCM::LATERAL &&
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/polarity seed S [polar a] [form cone|belt] [apical b] [basal b|none]
-       [junction lo hi|auto|none] [free theta] [sees all|lumen] [weight count|area] [plane none|x|y|z]
-       [init random|free|toward x y z|variable v_x v_y v_z] [freeze T] [every N]
+       [junction lo hi|auto|none] [free theta] [sees all|lumen] [weight count|area]
+       [plane none|x|y|z] [init random|free|toward x y z|variable v_x v_y v_z] [freeze T] [every N]
 ------------------------------------------------------------------------- */
 
 FixDCMPolarity::FixDCMPolarity(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), seed(0), ribbon_auto(false), by_area(false), sees_lumen(false), blind(false), marks(nullptr), theta(0.05), axis(-1),
-    start_mode(RANDOM), point(Vec3::Zero()), freeze(600.0), dcm(nullptr), cell(nullptr),
-    contact(nullptr), begun(false), warned(false), nturned(0), nclosed(0)
+    Fix(lmp, narg, arg), seed(0), ribbon_auto(false), by_area(false), sees_lumen(false),
+    blind(false), marks(nullptr), theta(0.05), axis(-1), start_mode(RANDOM), point(Vec3::Zero()),
+    freeze(600.0), dcm(nullptr), cell(nullptr), contact(nullptr), begun(false), warned(false),
+    nturned(0), nclosed(0)
 {
   AtomVecDCM::require(lmp, STYLE);
   nevery = 10;
@@ -75,8 +76,8 @@ FixDCMPolarity::FixDCMPolarity(LAMMPS *lmp, int narg, char **arg) :
 void FixDCMPolarity::parse(int narg, char **arg)
 {
   DCMArgs args(lmp, STYLE, narg, arg,
-               {"seed", "polar", "form", "apical", "basal", "junction", "free", "sees", "weight", "plane",
-                "init", "freeze", "every"});
+               {"seed", "polar", "form", "apical", "basal", "junction", "free", "sees", "weight",
+                "plane", "init", "freeze", "every"});
   auto part = [&args]() {
     const double value = args.number();
     args.check(value > 0.0 && value < 1.0, "above 0 and below 1");

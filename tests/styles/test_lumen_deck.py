@@ -1,4 +1,4 @@
-"""The deck examples/lumen, shortened: lumens measured from its dump are those of compute dcm/lumen."""
+"""The deck examples/lumen, shortened: its dump gives the lumens that compute dcm/lumen does."""
 import csv
 from pathlib import Path
 
@@ -24,10 +24,9 @@ def run(tmp_path_factory):
         "thermo          300", "thermo 300\nthermo_modify format float %.15g").replace(
         "%.10g", "%.16g").replace("run             ${hold}",
                                   "thermo_modify norm no format float %.15g\nrun ${hold}")
-    result = Runner(tmp_path_factory.mktemp("lumen"))(
+    return Runner(tmp_path_factory.mktemp("lumen"))(
         deck, files={"cells.txt": ROOT / "examples/lumen/cells.txt"},
         vars={"shut": 240, "start": 240, "hold": 360, "more": 120, "P": 0.6, "grow": 0.7})
-    return result
 
 
 @pytest.mark.parametrize("own", [False, True])

@@ -208,3 +208,53 @@ def test_messages(ring, words, says, capsys):
     command, *options = words.split()
     assert main([command, *ring, *options]) == 1
     assert says in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------------- sections
+
+def test_section_of_the_ring(ring):
+    from lammps_dcm.section import make_section
+
+    u = lammps_dcm.load(ring[2], ring[0])
+    u.trajectory[1]
+    section = make_section(u, 2, 0.1)
+    assert len(section.cells) == 4 and len(section.arrows) == 4 and not section.circles
+    for loop, _ in section.cells:    # the cut of an icosphere of radius 4.3
+        away = np.linalg.norm(loop - loop.mean(axis=0), axis=1)
+        assert away == pytest.approx(4.3, abs=0.1)
+    (lumen,) = section.lumens    # all of its wall, once around the axis
+    assert sorted(map(tuple, lumen)) == sorted(map(tuple, section.walls.reshape(-1, 2)))
+    turn = np.diff(np.unwrap(np.arctan2(*lumen.T[::-1])))
+    assert turn.sum() == pytest.approx(2 * np.pi, abs=0.5)
+    x0, x1, y0, y1 = section.window(margin=0.0)
+    assert (x0, x1) == pytest.approx((-10.3, 10.3), abs=0.1)
+    u.trajectory[0]
+    assert not make_section(u, 2, 0.1).lumens
+
+
+def test_chain_makes_loops_of_segments_in_any_order():
+    from lammps_dcm.section import chain
+
+    square = np.array([[(0, 0), (1, 0)], [(1, 0), (1, 1)], [(1, 1), (0, 1)], [(0, 1), (0, 0)]])
+    both = np.concatenate([square, square + 5.0])[[3, 6, 1, 0, 7, 2, 4, 5]]
+    loops = chain(both, 1e-6)
+    assert sorted(len(p) for p in loops) == [8, 8]
+    assert sorted(p.mean() for p in loops) == [0.5, 5.5]
+
+
+def test_render_sections(ring, tmp_path, capsys):
+    from matplotlib.image import imread
+
+    out = tmp_path / "s.png"
+    assert main(["render", *ring, "--section", "z=0.1", "--frame", "all", "--size", "300", "-o",
+                 str(out), "--names", "1=cholangiocyte"]) == 0
+    first, second = (imread(tmp_path / f"s.0000{k}.png")[:, :, :3] for k in (0, 1))
+    assert first.shape == second.shape == (300, 300, 3)
+    blue = np.array([0x8f, 0xd3, 0xf4]) / 255    # the lumen, in the middle of the second only
+    middle = (slice(145, 165), slice(140, 160))
+    assert np.abs(np.median(second[middle], axis=(0, 1)) - blue).max() < 0.02
+    assert np.abs(np.median(first[middle], axis=(0, 1)) - 1.0).max() < 0.02
+    for words, says in (("--section q", "plane 'q'"), ("--section z=99", "meets no cell"),
+                        ("--section z --window 1 0 0 1", "--window")):
+        assert main(["render", *ring, *words.split(), "-o", str(out)]) == 1
+        assert says in capsys.readouterr().err

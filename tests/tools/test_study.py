@@ -21,7 +21,8 @@ first = 0
 if "from" in var:
     first = int(var["from"].split(".")[1])
 stop = 4 if "break" in sys.argv[0] and not (here / "mended").exists() else hours
-lines = ["# faked", "# step hour lumens volume wall section closure around pressure cells cholangiocytes"]
+lines = ["# faked", "# step hour lumens volume wall section closure around "
+         "pressure cells cholangiocytes"]
 for quarter in range(4 * first, int(4 * stop) + 1):
     hour = quarter / 4
     lines.append(f"{quarter * 900} {hour} 1 0 0 {area * hour / hours} 0.02 4 0.2 20 5")

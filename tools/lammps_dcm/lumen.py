@@ -104,8 +104,8 @@ def measure(corners, cell, plane=None, slab=None):
     """Measures of one lumen with wall `corners` (m, 3, 3), um, of the cells `cell` (m,).
 
     plane: (axis, position) of the section, um. slab: (low, high), um, along the plane's axis: the
-    lumen is a tube open at both ends, of which volume and wall are those between them; without it, it
-    is closed all around. Returns a dict of
+    lumen is a tube open at both ends, of which volume and wall are those between them; without it,
+    it is closed all around. Returns a dict of
     COLUMNS: volume, um^3; wall, um^2; section, um^2, NaN without plane; closure, what is missing of
     the outline (tube) or of the wall, as a fraction; cells: how many; circularity 4 pi S / L^2 of
     the section; x, y, z: centroid of the wall.
@@ -231,8 +231,8 @@ def parse_plane(text):
 
 def add_arguments(parser):
     """Options of `lumen`."""
-    parser.epilog = ("A row per frame: number of lumens, then volume, wall, section, closure, cells "
-                     "around, circularity and place of the largest.")
+    parser.epilog = ("A row per frame: number of lumens, then volume, wall, section, closure, "
+                     "cells around, circularity and place of the largest.")
     add_input(parser, pressures=False)
     parser.add_argument("--plane", metavar="AXIS[=AT]", help="plane of the section, such as z")
     parser.add_argument("--slab", nargs=2, type=float, metavar=("LOW", "HIGH"), help="the lumen is "

@@ -133,7 +133,8 @@ class Run:
         """The error in the output of the run."""
         out = self.folder / "out.study"
         lines = out.read_text(errors="replace").splitlines() if out.exists() else []
-        return next((line for line in lines if "ERROR" in line), lines[-1] if lines else "no output")
+        return next((line for line in lines if "ERROR" in line),
+                    lines[-1] if lines else "no output")
 
     def history(self):
         """Columns of lumen.txt, of all attempts: dict of name -> list, sorted by step; of a step
