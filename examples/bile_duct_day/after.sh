@@ -3,4 +3,5 @@
 set -e
 "$PYTHON" -m lammps_dcm lumen lumen.dump --plane z --slab -3 3 -o lumen.csv --plot lumen_area.png
 "$PYTHON" -m lammps_dcm render lumen.dump --frame all --section z --size 1000 -o bile_duct_day.png \
-  --names "1=hepatoblast,4=cholangiocyte,7=hepatoblast (sphere),8=mesenchyme,9=endothelium,10=outermost"
+  --names "1=hepatoblast,4=cholangiocyte,7=hepatoblast (sphere),8=mesenchyme,9=endothelium,\
+10=outermost"

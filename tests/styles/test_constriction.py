@@ -177,7 +177,8 @@ def test_born_and_time(lmp, scenes):
 def test_every(lmp, scenes):
     """Cells are looked at in multiples of N, the ramp goes on in each step."""
     deck = whole(scenes.single_cell(), motion="",
-                 extra=mark(f"{ALL_APICAL} steps 3 9") + constriction("ramp 8 every 5"))  # fmt: skip
+                 extra=mark(f"{ALL_APICAL} steps 3 9")
+                 + constriction("ramp 8 every 5"))  # fmt: skip
     rows = lmp(deck + output(scenes) + "run 10\n").thermo
     found = [row["v_factor"] for row in rows]
     assert found == pytest.approx([1.0] * 5 + [1 - 0.3 * n / 8 for n in range(1, 7)], rel=1e-14)

@@ -1,5 +1,5 @@
-"""The deck examples/bile_duct_day, shortened: it goes on from its restart files, and every effect can
-be switched."""
+"""The deck examples/bile_duct_day, shortened: it goes on from its restart files, and every effect
+can be switched."""
 from pathlib import Path
 
 import pytest

@@ -8,7 +8,7 @@ from support.parameters import FILES, PLAIN
 
 COLUMNS = "id mol type radius xu yu zu vx vy vz fx fy fz"
 STIFFNESS = 2 / 3**0.5 * 5.0 * 0.5  # k_s = 2/sqrt3 E h
-AREA_MODULUS = 0.8756 * STIFFNESS  # of an icosphere's net of springs, MODEL.md section 1
+AREA_MODULUS = 0.8756 * STIFFNESS  # of an icosphere's net of springs: sum of l^2/(4 area), over k_s
 K_V = 2.5
 
 

@@ -211,7 +211,7 @@ TEST(Division, FreeDaughter)
   EXPECT_NEAR(d.pressure, 0.0, 1.0e-3);
   EXPECT_NEAR(d.rest_volume, settings.volume, 1.0e-3 * settings.volume);
 
-  // rounded up by short edges: p = 4 K_A eps/R with K_A = 0.8756 ks (MODEL.md, section 1)
+  // rounded up by short edges: p = 4 K_A eps/R with K_A = 0.8756 ks: sum of l^2/(4 area)
   settings.rest = 0.99;
   d = grow_daughter(mother, plane, 1, round, HEPATOBLAST, settings);
   const double eps = 1.0 / settings.rest - 1.0;
