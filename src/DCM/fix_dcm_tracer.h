@@ -125,7 +125,8 @@ class FixDCMTracer : public Fix, public DCMRole {
   std::vector<tagint> fresh;                           // with a new surface
   std::map<tagint, std::pair<tagint, tagint>> gone;    // and their daughters, 0: none
 
-  static constexpr tagint DOOMED = -1;    // in place of WEIGHTS: to be deleted in this step
+  static constexpr double MOST_SIGMA = 4.5;    // longest step, in sqrt(2 D dt)
+  static constexpr tagint DOOMED = -1;         // in place of WEIGHTS: to be deleted in this step
 
   struct Shape;    // of a cell, known to all ranks
 
