@@ -134,7 +134,7 @@ def test_edges_of_ribbon_and_cap(lmp, scenes, np_):
 def test_a_whole_sphere(lmp, scenes, factor):
     """All edges d times as long at rest. In the sphere of radius s R0 the springs do the work
     k (s - d) sum(l^2) ds, the pressure that of p dV, p = -3 K_V ln s. The edges of an icosphere
-    are not alike, which makes it softer by 1.1 % (K_A = 0.8756 k_s, without 0.8660).
+    are not alike, which makes it stiffer by 1.1 % (K_A = 0.8756 k_s, without 0.8660).
     """
     scene = scenes.single_cell(level=2, options="rest 1")
     deck = whole(scene, extra=mark(ALL_APICAL) + constriction(f"cap {factor} ramp 100"))
