@@ -41,6 +41,14 @@ static constexpr double MOST_SIGMA = 4.5;    // longest step, in sqrt(2 D dt)
 static constexpr double FAR = 20.0;          // um, of keyword far, in a box that follows its atoms
 static constexpr int LOOK_FAR = 10;          // steps between two looks for tracers that are far
 
+// more tracers of a cell, and more sub-steps, do not end within a day
+
+static constexpr int MOST_TRACERS = 100000, MOST_SUBSTEPS = 1000;
+
+// longest step, in edges: shrink-wrapped sides follow the tracers, and cells of LAMMPS' bins with them
+
+static constexpr double MOST_EDGES = 100.0;
+
 // in edges of the mesh: distance kept from faces, range of the near faces, edge of a voxel
 
 static constexpr double DELTA = 1.0e-7, NEAR_LEAST = 0.55, NEAR_MOST = 1.2, VOXEL = 0.4;
@@ -88,7 +96,7 @@ void FixDCMTracer::parse(int narg, char **arg)
     if (args.is("type")) {
       type = args.type(atom->ntypes);
     } else if (args.is("number")) {
-      number = (int) args.whole(0);
+      number = (int) args.whole(0, MOST_TRACERS);
     } else if (args.is("D")) {
       D = args.number(DCMArgs::NONNEGATIVE);
     } else if (args.is("seed")) {
@@ -96,7 +104,7 @@ void FixDCMTracer::parse(int narg, char **arg)
     } else if (args.is("drift")) {
       drift = args.number(DCMArgs::NONNEGATIVE);
     } else if (args.is("substeps")) {
-      substeps = (int) args.whole();
+      substeps = (int) args.whole(1, MOST_SUBSTEPS);
     } else if (args.is("slab")) {
       args.need(3);
       slab_axis = args.axis();
@@ -163,6 +171,11 @@ void FixDCMTracer::init()
     const double lo = domain->boxlo[slab_axis], hi = domain->boxhi[slab_axis];
     if (slab_lo >= hi || slab_hi <= lo)
       error->all(FLERR, "{}: slab {} {} {} lies outside the box, which reaches from {:.4g} to {:.4g}",
+                 STYLE, "xyz"[slab_axis], slab_lo, slab_hi, lo, hi);
+    if (domain->periodicity[slab_axis] && (slab_lo < lo || slab_hi > hi))
+      error->all(FLERR,
+                 "{}: slab {} {} {} reaches across the border of the periodic box, which reaches from "
+                 "{:.4g} to {:.4g}; move the cells, or make the slab narrower",
                  STYLE, "xyz"[slab_axis], slab_lo, slab_hi, lo, hi);
   }
   DCMCellSurgery::check_order(lmp, this, STYLE);
@@ -234,6 +247,11 @@ void FixDCMTracer::reset_dt()
 
 void FixDCMTracer::set_limits()
 {
+  if (kept.scale > 0.0 && !(longest <= MOST_EDGES * kept.scale))
+    error->all(FLERR,
+               "{}: with D {}, drift {} and a timestep of {} tracers move up to {:.4g} in a step, more "
+               "than {:.0f} edges of the mesh; reduce D, drift or the timestep",
+               STYLE, D, drift, update->dt, longest, MOST_EDGES);
   const double infinite = std::numeric_limits<double>::infinity();
   limited = false;
   double least = infinite;
