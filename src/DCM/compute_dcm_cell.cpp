@@ -156,9 +156,9 @@ void ComputeDCMCell::setup()
 
 void ComputeDCMCell::check_current() const
 {
-  if (cell && !cell->knows(atom->nlocal))
-    error->one(FLERR, "{}: atoms were added since the last step; do a 'run 0' before using it",
-               STYLE);
+  if (!cell) return;
+  FixDCMCell::check_current(lmp, STYLE, cell);
+  cell->check_atoms(STYLE);
 }
 
 /* ----------------------------------------------------------------------

@@ -77,9 +77,7 @@ void ComputeDCMFace::init()
 
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   if (contact && wants(STRESS)) stress = contact->request_stress();
-  marks = nullptr;
-  for (auto *const role : DCMRole::of(lmp))
-    if (role->marked_faces()) marks = role;
+  marks = DCMRole::marker_of(lmp);
   if (wants(MARK) && !marks)
     error->all(FLERR,
                "{}: value mark needs a style that marks faces; add a fix dcm/osmosis or "
@@ -129,8 +127,13 @@ double ComputeDCMFace::face_value(int f, int value) const
 void ComputeDCMFace::compute_peratom()
 {
   invoked_peratom = update->ntimestep;
-  if (!cell->knows(atom->nlocal))
-    error->one(FLERR, "{}: atoms were added since the last step; do a 'run 0' before using it",
+  FixDCMCell::check_current(lmp, STYLE, cell);
+  if (contact) FixDCMCell::check_current(lmp, STYLE, contact);
+  cell->check_atoms(STYLE);
+  if (wants(MARK) && DCMRole::marker_of(lmp) != marks)
+    error->all(FLERR,
+               "{}: the style that marks faces was removed or defined anew since the last step; do "
+               "a 'run 0' before using value mark",
                STYLE);
   const int ncolumns = (int) columns.size();
   if (atom->nmax > nmax) {

@@ -90,9 +90,7 @@ void ComputeDCMLumen::init()
   cell = FixDCMCell::require(lmp, STYLE);
   graph.init();
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
-  marks = nullptr;
-  for (auto *const role : DCMRole::of(lmp))
-    if (role->marked_faces()) marks = role;
+  marks = DCMRole::marker_of(lmp);
   if (!marks)
     error->all(FLERR,
                "{}: nothing marks the faces at a lumen; add a fix dcm/osmosis (pressure 0 measures "
@@ -112,8 +110,13 @@ void ComputeDCMLumen::setup()
 
 void ComputeDCMLumen::find()
 {
-  if (!cell->knows(atom->nlocal))
-    error->one(FLERR, "{}: atoms were added since the last step; do a 'run 0' before using it",
+  FixDCMCell::check_current(lmp, STYLE, cell);
+  FixDCMCell::check_current(lmp, STYLE, contact);
+  cell->check_atoms(STYLE);
+  if (DCMRole::marker_of(lmp) != marks)
+    error->all(FLERR,
+               "{}: the style that marks faces was removed or defined anew since the last step; do "
+               "a 'run 0' before using this compute",
                STYLE);
   if (found_at == update->ntimestep) return;
   found_at = update->ntimestep;
@@ -161,6 +164,10 @@ void ComputeDCMLumen::find_sets()
     Lumen &it = sets[s];
     if (!(it.wall > least)) continue;
     vec(it.center) = vec(first[s]) + vec(it.center) / it.wall;
+    if (has_plane && domain->periodicity[plane]) {    // the image next to plane and slab
+      const double near = has_slab ? 0.5 * (lo + hi) : at, length = domain->prd[plane];
+      it.center[plane] -= length * std::round((it.center[plane] - near) / length);
+    }
     std::sort(molecules[s].begin(), molecules[s].end());
     it.ncells =
         (int) (std::unique(molecules[s].begin(), molecules[s].end()) - molecules[s].begin());

@@ -127,7 +127,7 @@ int DCMArgs::axis()
 std::string DCMArgs::variable()
 {
   const std::string value = text();
-  if (value.compare(0, 2, "v_") != 0)
+  if (value.compare(0, 2, "v_") != 0 || value.size() == 2)
     error->all(FLERR, "{}: {} is {}, expected an atom-style variable v_NAME", asking, key, value);
   return value.substr(2);
 }
@@ -183,4 +183,17 @@ void LAMMPS_NS::dcm_find_variable(LAMMPS *lmp, const std::string &asking, const 
   const int ivar = lmp->input->variable->find(name.c_str());
   if (ivar < 0 || !lmp->input->variable->atomstyle(ivar))
     lmp->error->all(FLERR, "{}: there is no atom-style variable {}", asking, name);
+}
+
+void LAMMPS_NS::dcm_check_point(LAMMPS *lmp, const std::string &asking, const std::string &what,
+                                const double *x)
+{
+  const auto *const domain = lmp->domain;
+  for (int k = 0; k < 3; k++)
+    if (domain->periodicity[k] && (x[k] < domain->boxlo[k] - domain->prd[k] ||
+                                   x[k] > domain->boxhi[k] + domain->prd[k]))
+      lmp->error->all(FLERR,
+                      "{}: {} {} {} {} lies outside the periodic box, which reaches from {:.4g} to "
+                      "{:.4g} in {}; give a point in the box",
+                      asking, what, x[0], x[1], x[2], domain->boxlo[k], domain->boxhi[k], "xyz"[k]);
 }

@@ -91,6 +91,12 @@ int dcm_find_group(class LAMMPS *, const std::string &asking, const std::string 
 class Region *dcm_find_region(class LAMMPS *, const std::string &asking, const std::string &id);
 void dcm_find_variable(class LAMMPS *, const std::string &asking, const std::string &name);
 
+// a point that distances are measured to at the closest image: an error if it is more than a box
+// length outside a periodic box, where LAMMPS gives up
+
+void dcm_check_point(class LAMMPS *, const std::string &asking, const std::string &what,
+                     const double *x);
+
 }    // namespace LAMMPS_NS
 
 #endif

@@ -60,6 +60,13 @@ unsigned DCMRole::traits_of(LAMMPS *lmp)
   return traits;
 }
 
+DCMRole *DCMRole::marker_of(LAMMPS *lmp)
+{
+  for (auto *const role : of(lmp))
+    if (role->marked_faces()) return role;
+  return nullptr;
+}
+
 /* ----------------------------------------------------------------------
    LAMMPS calls fixes in the order of the deck
 ------------------------------------------------------------------------- */

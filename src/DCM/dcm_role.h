@@ -87,6 +87,7 @@ class DCMRole {
 
   static std::vector<DCMRole *> of(class LAMMPS *);
   static unsigned traits_of(class LAMMPS *);    // of any of them
+  static DCMRole *marker_of(class LAMMPS *);    // the one that marks faces, nullptr: none
 
   // errors in init() of a fix that decides in initial_integrate: it has to come before the fix that
   // moves atoms, and after all fixes of a style whose decisions of this step it uses

@@ -25,6 +25,7 @@
 #include "force.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "pair_dcm_contact.h"
 #include "update.h"
 
 #include <algorithm>
@@ -84,6 +85,36 @@ FixDCMCell *FixDCMCell::require(LAMMPS *lmp, const std::string &asking)
     lmp->error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck",
                     asking);
   return fix;
+}
+
+void FixDCMCell::check_current(LAMMPS *lmp, const std::string &asking, const FixDCMCell *cell)
+{
+  if (!cell || find(lmp) != cell)
+    lmp->error->all(FLERR,
+                    "{}: fix dcm/cell was removed or defined anew since the last step; do a 'run 0' "
+                    "before using values of this style",
+                    asking);
+}
+
+void FixDCMCell::check_current(LAMMPS *lmp, const std::string &asking,
+                               const PairDCMContact *contact)
+{
+  // one that was made anew may have the address of the last, but has measured nothing yet
+  if (!contact || lmp->force->pair_match("dcm/contact", 1) != contact || !contact->contact_area())
+    lmp->error->all(FLERR,
+                    "{}: pair_style dcm/contact was removed or defined anew since the last step; do "
+                    "a 'run 0' before using values of this style",
+                    asking);
+}
+
+void FixDCMCell::check_atoms(const std::string &asking) const
+{
+  const size_t nall = atom->nlocal + atom->nghost;
+  if (known_tags.size() != nall || !std::equal(known_tags.begin(), known_tags.end(), atom->tag))
+    error->one(FLERR,
+               "{}: atoms were added, deleted or given to other processes since the last step; do a "
+               "'run 0' before using values of this style",
+               asking);
 }
 
 // with the ID that decks use, so that one that the deck defines later replaces it
@@ -179,6 +210,7 @@ void FixDCMCell::count_members()
 {
   const int nall = atom->nlocal + atom->nghost;
   cell_of_atom.assign(nall, -1);
+  known_tags.assign(atom->tag, atom->tag + nall);
   cell_sums.assign(2 * table.size(), 0.0);
   const bool spheres = spheres_wanted.any();
   int last = -1;    // atoms of a cell follow each other
@@ -278,7 +310,7 @@ double FixDCMCell::memory_usage()
 {
   double bytes = table.memory_usage();
   bytes += (double) face_list.capacity() * (sizeof(Face) + sizeof(double));
-  bytes += (double) cell_of_atom.capacity() * 2 * sizeof(int);
+  bytes += (double) cell_of_atom.capacity() * (2 * sizeof(int) + sizeof(tagint));
   bytes += (double) (first_around.capacity() + around.capacity()) * sizeof(int);
   bytes += (double) (node_sums.capacity() + node_curvature.capacity() + face_normal.capacity()) *
            sizeof(double);

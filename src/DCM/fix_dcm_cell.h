@@ -69,7 +69,6 @@ class FixDCMCell : public Fix {
   const std::vector<Face> &faces() const { return face_list; }
   int face_of(int i) const { return face_of_atom[i]; }    // owned or ghost atom; -1: no face
   int cell_of(int i) const { return cell_of_atom[i]; }    // row of the table; -1: none
-  bool knows(int natoms) const { return (int) cell_of_atom.size() >= natoms; }
   double area(int f) const { return face_area[f]; }
 
   // outward unit normals, 3 numbers a face, 0 for a degenerate one; computed when first asked for
@@ -116,6 +115,13 @@ class FixDCMCell : public Fix {
   static FixDCMCell *find(class LAMMPS *);
   static FixDCMCell *require(class LAMMPS *, const std::string &asking);
 
+  // for values that are asked for between two runs: errors if the deck has removed, since the last
+  // step, this fix, the pair style, or has changed the atoms (as do delete_atoms, write_restart)
+  static void check_current(class LAMMPS *, const std::string &asking, const FixDCMCell *cell);
+  static void check_current(class LAMMPS *, const std::string &asking,
+                            const class PairDCMContact *contact);
+  void check_atoms(const std::string &asking) const;
+
   // make one if the deck has none, for styles that work without deformable cells: in
   // post_constructor
   static void ensure(class LAMMPS *, const std::string &asking);
@@ -154,6 +160,7 @@ class FixDCMCell : public Fix {
   std::vector<int> image_kind;
   std::vector<double> image_values;
   std::vector<double *> image_rows;
+  std::vector<tagint> known_tags;    // of all atoms, when it was found out to which cell they belong
 
   void count_members();
   void snap_centers();

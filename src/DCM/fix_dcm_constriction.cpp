@@ -270,6 +270,8 @@ void FixDCMConstriction::cell_converted(int row, double /*volume0_before*/)
 double FixDCMConstriction::compute_vector(int n)
 {
   if (!since) return n == 3 ? 1.0 : 0.0;
+  FixDCMCell::check_current(lmp, STYLE, cell);
+  if (n > 0) cell->check_atoms(STYLE);
   const auto &table = cell->cells();
   if (n == 0) {
     double cells = 0.0;

@@ -39,7 +39,7 @@ using dcm::vec;
 using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/osmosis";
-static constexpr int RECORD = 1;    // version of the restart record
+static constexpr int RECORD = 2;    // version of the restart record
 static constexpr double FOREVER = std::numeric_limits<double>::infinity();
 
 /* ----------------------------------------------------------------------
@@ -66,10 +66,14 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
   while (args.next()) {
     if (args.is("pressure")) {
       has_pressure = true;
-      if (args.ahead() && strncmp(args.ahead(), "v_", 2) == 0)
-        variable = args.variable();
-      else
+      pressure = 0.0;
+      variable.clear();    // the last one given counts
+      if (args.ahead() && strncmp(args.ahead(), "v_", 2) == 0) {
+        variable = args.text() + 2;
+        args.check(!variable.empty(), "a number, or v_NAME of an equal-style variable");
+      } else {
         pressure = args.number();
+      }
     } else if (args.is("dilute")) {
       dilute = args.number(DCMArgs::POSITIVE);
     } else if (args.is("solute")) {
@@ -119,7 +123,7 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
   if (pressure < 0.0 && comm->me == 0)
     error->warning(FLERR, "{}: pressure is {}, which sucks lumens shut", STYLE, pressure);
 
-  now.born = now.begun = now.counted = -1.0;
+  now.begun = now.counted = -1.0;
   now.due = 1;
   scalar_flag = vector_flag = 1;
   size_vector = 9;
@@ -217,6 +221,7 @@ void FixDCMOsmosis::check_start()
   if (!any)
     error->all(FLERR, "{}: no deformable cell has its center in group {}", STYLE,
                group->names[igroup]);
+  check_places();
   if (tracers) return;
   if (!source)
     error->all(FLERR, "{}: no deformable cell secretes; none has its center in group {}", STYLE,
@@ -233,6 +238,35 @@ void FixDCMOsmosis::check_start()
 }
 
 /* ----------------------------------------------------------------------
+   slab and starter hold faces of cells that may be marked
+------------------------------------------------------------------------- */
+
+void FixDCMOsmosis::check_places()
+{
+  if (starter == AT_POINT) dcm_check_point(lmp, STYLE, "starter", point);
+  int any[2] = {axis < 0, starter != AT_POINT};
+  for (int f = 0; f < cell->nowned(); f++) {
+    const auto &face = cell->faces()[f];
+    const double *const x = atom->x[face.atom];
+    if (!acts_on(face.cell) || !in_slab(x)) continue;
+    any[0] = 1;
+    if (near_starter(x)) any[1] = 1;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, any, 2, MPI_INT, MPI_MAX, world);
+  if (!any[0])
+    error->all(FLERR,
+               "{}: no face of group {} lies in slab {} {} {}, so that none would ever be marked; "
+               "move the slab to the cells",
+               STYLE, group->names[igroup], "xyz"[axis], lo, hi);
+  if (!any[1] && comm->me == 0)
+    error->warning(FLERR,
+                   "{}: no face of group {} lies within {:.6g} of the starter's point {:.6g} {:.6g} "
+                   "{:.6g} at step {}; without one in its time nothing is started",
+                   STYLE, group->names[igroup], radius, point[0], point[1], point[2],
+                   update->ntimestep);
+}
+
+/* ----------------------------------------------------------------------
    marks are looked for in the first setup of all, never in that of a run that goes on
 ------------------------------------------------------------------------- */
 
@@ -240,7 +274,6 @@ void FixDCMOsmosis::setup_pre_reverse(int eflag, int vflag)
 {
   check_start();
   if (!now.started) {
-    now.born = cell->cells().time();
     look();
     now.started = now.due = 1;
   }
@@ -255,6 +288,7 @@ void FixDCMOsmosis::setup_pre_reverse(int eflag, int vflag)
 
 void FixDCMOsmosis::initial_integrate(int /*vflag*/)
 {
+  now.clock += update->dt;
   worked += 0.5 * update->dt * power();
   if (now.due || update->ntimestep % nevery == 0) look();
   for (const auto *const fix : makers)
@@ -344,7 +378,7 @@ void FixDCMOsmosis::evaluate_pressure()
                  STYLE, variable, P, update->ntimestep);
   }
   if (ramp > 0.0) {
-    const double since = now.begun < 0.0 ? 0.0 : cell->cells().time() - now.begun;
+    const double since = now.begun < 0.0 ? 0.0 : now.clock - now.begun;
     P *= std::min(1.0, since / ramp);
   }
   if (dilute > 0.0 && sums.volume > dilute) P *= dilute / sums.volume;
@@ -429,6 +463,9 @@ double FixDCMOsmosis::compute_scalar()
 double FixDCMOsmosis::compute_vector(int n)
 {
   if (!now.started) return 0.0;
+  FixDCMCell::check_current(lmp, STYLE, cell);
+  FixDCMCell::check_current(lmp, STYLE, contact);
+  if (!measured) cell->check_atoms(STYLE);
   measure();
   const double values[] = {wall,      (double) now.nfaces,     (double) now.ncells, sums.volume,
                            acting,    std::fabs(acting) * net, sums.closure(),      now.lost,

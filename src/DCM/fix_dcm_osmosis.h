@@ -82,7 +82,8 @@ class FixDCMOsmosis : public Fix, public DCMRole {
 
   struct State {    // kept in restart files
     int started, due, warned, nfaces, ncells, fill;
-    double born, begun;                   // time of the first setup, of the first mark
+    double clock, begun;    // time since the first setup, also if the deck resets that of LAMMPS;
+                            // of the first mark, < 0: none yet
     double amount, counted, secreting;    // solute, when it was counted, area that secretes it
     double work, lost;
     double center[3];    // volumes are measured from here
@@ -117,6 +118,7 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   bool secreting(int row) const;
   void parse_starter(class DCMArgs &);
   void check_start();
+  void check_places();
   void evaluate_pressure();
   double free_part(int f) const;
   double power() const;
@@ -126,6 +128,7 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   void look();
   void note_joined();
   void find_states();
+  double near_slab(double) const;
   bool in_slab(const double *) const;
   bool near_starter(const double *) const;
   bool started_across(int f) const;

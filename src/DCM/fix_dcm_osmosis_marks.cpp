@@ -78,7 +78,7 @@ void FixDCMOsmosis::note_joined()
     if (!secreting(row))
       since = -1.0;
     else if (since < 0.0)
-      since = table.time();
+      since = now.clock;
   }
 }
 
@@ -92,9 +92,18 @@ bool FixDCMOsmosis::secreting(int row) const
   return row >= 0 && (cell->cells()[row].mask & secrete_bit);
 }
 
+// in a box that is periodic along its axis a slab may reach across the border
+
+double FixDCMOsmosis::near_slab(double x) const
+{
+  if (!domain->periodicity[axis]) return x;
+  const double length = domain->prd[axis];
+  return x - length * std::round((x - 0.5 * (lo + hi)) / length);
+}
+
 bool FixDCMOsmosis::in_slab(const double *x) const
 {
-  return axis < 0 || (x[axis] > lo && x[axis] < hi);
+  return axis < 0 || (near_slab(x[axis]) > lo && near_slab(x[axis]) < hi);
 }
 
 /* ----------------------------------------------------------------------
@@ -103,7 +112,7 @@ bool FixDCMOsmosis::in_slab(const double *x) const
 
 bool FixDCMOsmosis::near_starter(const double *x) const
 {
-  if (starter != AT_POINT || cell->cells().time() - now.born >= starting) return false;
+  if (starter != AT_POINT || now.clock >= starting) return false;
   double d[3] = {x[0] - point[0], x[1] - point[1], x[2] - point[2]};
   dcm_minimum_image(domain, d[0], d[1], d[2]);
   if (axis >= 0) d[axis] = 0.0;
@@ -122,7 +131,7 @@ bool FixDCMOsmosis::started_across(int f) const
   const int j = graph.opposite(i);
   if (j < 0 || dcm->region[j] != AtomVecDCM::APICAL || !secreting(cell->cell_of(j))) return false;
   const double latest = std::max((*joined)(row), (*joined)(cell->cell_of(j)));
-  return cell->cells().time() - latest < starting;
+  return now.clock - latest < starting;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -206,7 +215,8 @@ void FixDCMOsmosis::set_marks()
   std::sort(molecules.begin(), molecules.end());
   now.ncells = (int) (std::unique(molecules.begin(), molecules.end()) - molecules.begin());
   if (first) vec(now.center) = vec(first->mid) + center / area;
-  if (first && now.begun < 0.0) now.begun = table.time();
+  if (first && axis >= 0) now.center[axis] = near_slab(now.center[axis]);
+  if (first && now.begun < 0.0) now.begun = now.clock;
 
   double secretes_now = 0.0;
   for (const auto &face : all)
@@ -222,11 +232,11 @@ void FixDCMOsmosis::set_marks()
 
 void FixDCMOsmosis::count_solute(double area)
 {
-  const double time = cell->cells().time();
   if (solute && now.counted >= 0.0)
-    now.amount = dcm::secreted(now.amount, rate * now.secreting, loss, time - now.counted);
+    now.amount =
+        dcm::secreted(now.amount, rate * now.secreting, loss, now.clock - now.counted);
   if (now.nfaces == 0) now.amount = 0.0;
-  now.counted = time;
+  now.counted = now.clock;
   now.secreting = area;
 }
 

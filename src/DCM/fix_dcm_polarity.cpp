@@ -166,9 +166,7 @@ void FixDCMPolarity::init()
     apical_area = other->apical_area;
     junction_area = other->junction_area;
   }
-  marks = nullptr;
-  for (auto *const role : DCMRole::of(lmp))
-    if (role->marked_faces()) marks = role;
+  marks = DCMRole::marker_of(lmp);
   if (sees_lumen && !marks && !blind) {
     blind = true;
     if (comm->me == 0)
@@ -184,6 +182,7 @@ void FixDCMPolarity::init()
   apical_area = table.add(STYLE, "apical_area", DCMColumn::RESET, 0.0, {}, apical_area);
   junction_area = table.add(STYLE, "junction_area", DCMColumn::RESET, 0.0, {}, junction_area);
 
+  if (start_mode == TOWARD) dcm_check_point(lmp, STYLE, "init toward", point.data());
   if (start_mode == VARIABLE)
     for (const auto &name : variable_name) dcm_find_variable(lmp, STYLE, name);
   for (const auto *const style :
@@ -254,8 +253,9 @@ bool FixDCMPolarity::stays(int row) const
 {
   const auto &table = cell->cells();
   const int phase = table[row].phase;
+  const double left = (*frozen)(row) - table.time();
   return phase == DCMCellTable::ROUNDING || phase == DCMCellTable::READY ||
-         table.time() < (*frozen)(row);
+         (left > 0.0 && left <= freeze + update->dt);    // more: the deck has set the time back
 }
 
 /* ----------------------------------------------------------------------
@@ -351,18 +351,21 @@ Vec3 FixDCMPolarity::given_vector(int row, const Vec3 &variable) const
     v = dcm::in_plane(v, axis);
     least = NEAR * dcm::ball_radius(it.volume0);
   }
-  if (!v.allFinite() || !(v.norm() > least))
+  // scaled, since the square of a huge or a tiny component is no number
+  const double size = v.cwiseAbs().maxCoeff();
+  if (!v.allFinite() || !(size > 0.0) || !(Vec3(v / size).norm() > least / size))
     error->all(FLERR,
                "{}: init {} gives cell {} the apical vector {} {} {} at step {}; it needs a "
                "direction",
                STYLE, start_mode == TOWARD ? "toward" : "variable", it.molecule, v[0], v[1], v[2],
                update->ntimestep);
-  if (axis >= 0 && std::fabs(v[axis]) > 1.0e-6 * v.norm())
+  const Vec3 scaled = v / size;
+  if (axis >= 0 && std::fabs(scaled[axis]) > 1.0e-6 * scaled.norm())
     error->all(FLERR,
                "{}: init variable gives cell {} the apical vector {} {} {} at step {}, not "
                "perpendicular to {}; remove plane {} or make this component zero",
                STYLE, it.molecule, v[0], v[1], v[2], update->ntimestep, "xyz"[axis], "xyz"[axis]);
-  return dcm::direction(dcm::in_plane(v, axis));
+  return dcm::direction(dcm::in_plane(scaled, axis));
 }
 
 /* ----------------------------------------------------------------------
@@ -426,6 +429,7 @@ void FixDCMPolarity::restart(char *buf)
 double FixDCMPolarity::compute_vector(int n)
 {
   if (!vectors) return 0.0;
+  FixDCMCell::check_current(lmp, STYLE, cell);
   if (n == 3) return nturned;
   if (n == 4) return nclosed;
   const auto &table = cell->cells();

@@ -233,6 +233,7 @@ double FixDCMSignal::compute_vector(int n)
   if (n == 2) return (double) switched;
   double values[4] = {0.0, 0.0, 0.0, 0.0};
   if (!signal) return 0.0;
+  FixDCMCell::check_current(lmp, STYLE, cell);
   for (const int row : cell->cells().all_deformable()) {
     const double time = (*signal)(row);
     if ((*fate)(row) > 0.0) {

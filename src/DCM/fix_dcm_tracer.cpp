@@ -36,6 +36,10 @@ static const char STYLE[] = "Fix dcm/tracer";
 
 static constexpr double VOXEL = 0.4;    // edge of a voxel, in edges of the mesh
 
+// more tracers of a cell, and more sub-steps, do not end within a day
+
+static constexpr int MOST_TRACERS = 100000, MOST_SUBSTEPS = 1000;
+
 /* ----------------------------------------------------------------------
    fix ID group dcm/tracer type T number n D v seed S [drift u] [substeps k] [slab z lo hi]
        [bounce N] [far d delete|reflect] [slits shut|open] [free theta] [topup yes|no]
@@ -78,7 +82,7 @@ void FixDCMTracer::parse(int narg, char **arg)
     if (args.is("type")) {
       type = args.type(atom->ntypes);
     } else if (args.is("number")) {
-      number = (int) args.whole(0);
+      number = (int) args.whole(0, MOST_TRACERS);
     } else if (args.is("D")) {
       D = args.number(DCMArgs::NONNEGATIVE);
     } else if (args.is("seed")) {
@@ -86,7 +90,7 @@ void FixDCMTracer::parse(int narg, char **arg)
     } else if (args.is("drift")) {
       drift = args.number(DCMArgs::NONNEGATIVE);
     } else if (args.is("substeps")) {
-      substeps = (int) args.whole();
+      substeps = (int) args.whole(1, MOST_SUBSTEPS);
     } else if (args.is("slab")) {
       args.need(3);
       slab_axis = args.axis();
@@ -155,6 +159,11 @@ void FixDCMTracer::init()
     if (slab_lo >= hi || slab_hi <= lo)
       error->all(FLERR,
                  "{}: slab {} {} {} lies outside the box, which reaches from {:.4g} to {:.4g}",
+                 STYLE, "xyz"[slab_axis], slab_lo, slab_hi, lo, hi);
+    if (domain->periodicity[slab_axis] && (slab_lo < lo || slab_hi > hi))
+      error->all(FLERR,
+                 "{}: slab {} {} {} reaches across the border of the periodic box, which reaches from "
+                 "{:.4g} to {:.4g}; move the cells, or make the slab narrower",
                  STYLE, "xyz"[slab_axis], slab_lo, slab_hi, lo, hi);
   }
   DCMCellSurgery::check_order(lmp, this, STYLE);

@@ -39,6 +39,10 @@ static constexpr int LOOK_FAR = 10;    // steps between two looks for tracers th
 // in edges of the mesh: distance kept from faces, range of the near faces
 
 static constexpr double DELTA = 1.0e-7, NEAR_LEAST = 0.55, NEAR_MOST = 1.2;
+
+// longest step, in edges: shrink-wrapped sides follow the tracers, and cells of LAMMPS' bins with them
+
+static constexpr double MOST_EDGES = 100.0;
 static constexpr double SLACK = 0.1;    // of the range: faces may move so far under the same voxels
 
 /* ----------------------------------------------------------------------
@@ -76,6 +80,11 @@ void FixDCMTracer::reset_dt()
 
 void FixDCMTracer::set_limits()
 {
+  if (kept.scale > 0.0 && !(longest <= MOST_EDGES * kept.scale))
+    error->all(FLERR,
+               "{}: with D {}, drift {} and a timestep of {} tracers move up to {:.4g} in a step, more "
+               "than {:.0f} edges of the mesh; reduce D, drift or the timestep",
+               STYLE, D, drift, update->dt, longest, MOST_EDGES);
   const double infinite = std::numeric_limits<double>::infinity();
   limited = false;
   double least = infinite;
