@@ -15,7 +15,7 @@ from support.parameters import CONTACT, CORTEX, FRICTION, cell_type
 HEPATOBLAST, TRACER_TYPE, CHOLANGIOCYTE = (1, 2, 3), 5, (6, 7, 8)
 CENTER, NODE, FACE, TRACER = 2, 3, 4, 5  # kinds
 LATERAL, POLAR, APICAL, JUNCTION, BASAL = range(5)
-CYCLE = 60  # s, of the hepatoblast
+CYCLE = 58  # s, of the hepatoblast, which divides then; at no look of polarity and osmosis
 SLAB = 1.6
 
 FILE = "together.dcm"
@@ -180,15 +180,14 @@ def sound(frames, dead=()):
 # --- a cell at the lumen divides ------------------------------------------------------------------
 
 
-def nearest(points, corners):
-    """Distance of points to the nearest of some triangles (sampled) and which it is."""
+def distances(points, corners):
+    """Distances (points, triangles), of points to triangles as sampled."""
     a, b, c = (corners[:, k] for k in range(3))
-    n = 12
+    n = 8
     u, v = (w.ravel() for w in np.meshgrid(*[np.arange(n + 1) / n] * 2))
     u, v = u[u + v <= 1 + 1e-9], v[u + v <= 1 + 1e-9]
     cloud = a[:, None] + u[:, None] * (b - a)[:, None] + v[:, None] * (c - a)[:, None]
-    distance = np.linalg.norm(points[:, None, None] - cloud[None], axis=3).min(axis=2)
-    return distance.min(axis=1), distance.argmin(axis=1)
+    return np.linalg.norm(points[:, None, None] - cloud[None], axis=3).min(axis=2)
 
 
 def faces_of(frame, molecule):
@@ -228,13 +227,15 @@ def test_a_cell_at_the_lumen_divides(lmp, scenes, np_):
 
     # the constriction: let go in the mother, begun anew in the daughters
     assert value(before, mother, CONSTRICTED) >= 0.0
-    print("share of the ramp", [value(frame_at(result, k), mother, CONSTRICTION) for k in range(50, step)])
+    share = [value(frame_at(result, k), mother, CONSTRICTION) for k in range(50, step)]
+    print("share of the ramp", share)
+    assert share[0] == 1.0 and share[-1] < 1.0  # it rounds up faster than the ramp runs back
     assert all(value(frame, daughter, CONSTRICTED) < 0.0 for daughter in daughters)
     born = {d: value(frames[-1], d, CONSTRICTED) for d in daughters}
     assert all(step < born[d] <= step + 5 for d in daughters), born
 
     # tracers
-    sound(frames)
+    sound([f for f in frames if -2 <= f.step - step <= 4])
     tags, _, home, _ = tracers(before)
     assert (home == mother).sum() > 80
     _, x, now, _ = tracers(frame)
@@ -256,12 +257,19 @@ def test_a_cell_at_the_lumen_divides(lmp, scenes, np_):
     for daughter in daughters:
         mine = faces_of(frame, daughter)
         y = frame.x[mine]
-        distance, which = nearest(y, corners)
+        every = distances(y, corners)
+        distance = every.min(axis=1)
         across = np.abs((y - old.centroid) @ row["axis"]) < 0.1 * edge
-        outer = distance < 0.02 * edge
+        outer = distance < 0.12 * edge
         assert across.sum() > 10 and outer.sum() > 40
-        assert not frame[MARK][mine[across & ~outer & (distance > edge)]].any()
-        to_marks = nearest(y, corners[before[MARK][rows] == 1])[0]
+        plane = across & (distance > edge)
+        assert plane.sum() > 10
+        assert not frame[MARK][mine[plane]].any()
+        assert (frame[REGION][mine[plane]] == LATERAL).all()
+        for f in np.flatnonzero(outer & ~across):
+            near = rows[every[f] < distance[f] + 0.3 * edge]
+            assert frame[REGION][mine[f]] in before[REGION][near], (daughter, y[f])
+        to_marks = every[:, before[MARK][rows] == 1].min(axis=1)
         # within 0.3 mean edges, of all cells, at the start of the step: all edges are longer then
         assert (to_marks[frame[MARK][mine] == 1] < 0.45 * edge).all()
         marked += frame[AREA][mine][frame[MARK][mine] == 1].sum()
@@ -274,12 +282,12 @@ def test_a_cell_at_the_lumen_divides(lmp, scenes, np_):
     rng = np.random.default_rng(1)
     lo, hi = old.x.min(axis=0) - 0.5, old.x.max(axis=0) + 0.5
     lo[2], hi[2] = -SLAB, SLAB
-    points = lo + (hi - lo) * rng.random((6000, 3))
+    points = lo + (hi - lo) * rng.random((3000, 3))
     ring = np.linalg.norm(points[:, :2], axis=1) < np.linalg.norm(old.centroid[:2])
     points = points[ring]
     was = inside(points, old)
     new = np.any([inside(points, Cell(frame, d)) for d in daughters], axis=0)
-    part = np.prod(hi - lo) / 6000.0
+    part = np.prod(hi - lo) / 3000.0
     gain, loss = (was & ~new).sum() * part, (new & ~was).sum() * part
     volume = {k: get(thermo[k], "lumen2") for k in range(step - 6, step + 6)}
     jump = volume[step] - volume[step - 1]
@@ -305,7 +313,6 @@ def test_restart_is_bit_for_bit(lmp, scenes, np_):
     deck = together.deck(first, every=1, dump=False, head="processors * 1 1\n" + together.head())
     deck += f"write_restart r.{first}\nrun {second - first}\nwrite_restart r.{second}\n"
     deck += scenes.dump(COLUMNS, 6) + f"run {75 - second}\n"
-    del names
     whole = lmp(deck, np=np_, files=FILES)
     thermo = {int(row["Step"]): row for row in whole.thermo}
     assert 0.0 < get(thermo[first], "tight4") < 1.0 and get(thermo[first], "signal1") == 1
@@ -322,6 +329,8 @@ def test_restart_is_bit_for_bit(lmp, scenes, np_):
             if stop == 75:
                 deck += scenes.dump(COLUMNS, 6)
             deck += f"run {stop} upto\n"
+            if stop == second:  # sums of this process go into the record: as the whole run does
+                deck += "write_restart again\n"
         rest = lmp(deck, np=np_, files={**FILES, f"r.{step}": whole.path / f"r.{step}"})
         for a in rest.thermo:
             b = thermo[int(a["Step"])]
@@ -385,18 +394,12 @@ def test_all_cells_of_a_lumen_divide_in_one_step(lmp, scenes, np_):
     sound(frames)
 
 
-@pytest.mark.parametrize("np_", [1, 2])
-@pytest.mark.parametrize("death", ["delete", "release"])
+@pytest.mark.parametrize(("np_", "death"), [(1, "delete"), (2, "release")])
 def test_the_last_secreting_cell_dies(lmp, scenes, np_, death):
     """Its tracers go or are set free; nobody secretes any longer, so that all marks fall; the cells
     left stay constricted and keep their vectors."""
     together = Together(scenes)
     result = lmp(
-        together.deck(
-            35, head="", every=1, after="", secrete="one", tracer=f"death {death}",
-            dying="variable dies atom step>=25\nfix death one dcm/death variable v_dies\n",
-        ).replace("group cholangio", together.head() + "group one molecule 2\ngroup cholangio", 1)
-        if False else
         together.head() + "group one molecule 2\n" + together.laws()
         + together.cells(
             secrete="one", tracer=f"death {death}",
@@ -421,8 +424,7 @@ def test_the_last_secreting_cell_dies(lmp, scenes, np_, death):
     sound(frames[20:])
 
 
-@pytest.mark.parametrize("np_", [1, 2])
-@pytest.mark.parametrize("death", ["delete", "release"])
+@pytest.mark.parametrize(("np_", "death"), [(1, "delete"), (2, "release")])
 def test_a_secreting_cell_becomes_a_sphere(lmp, scenes, np_, death):
     together = Together(scenes)
     together.scene.NAMES = NAMES.replace("NULL", "hepatoblast_cbm", 1)
