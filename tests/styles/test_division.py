@@ -524,7 +524,8 @@ def test_groups_are_inherited(lmp, scenes):
     [
         ("dcm/division seed 7", "dcm/division", "keyword seed is missing"),
         ("log div.log", "plane given 0 0 0", "has no direction"),
-        ("log div.log", "plane sideways", "plane must be random, long, given x y z or variable"),
+        ("log div.log", "plane sideways",
+         "plane must be random, long, polarity, given x y z or variable"),
         ("log div.log", "plane variable v_a v_b v_c", "no atom-style variable a"),
         ("log div.log", "cbm soft 3", "cbm must be soften T or truncate F"),
         ("log div.log", "log nowhere/div.log", "cannot open log nowhere/div.log"),
