@@ -367,6 +367,130 @@ def test_1_2_3_and_4_ranks_agree(lmp, scenes):
         compare(one, lmp(deck, np=np_, files=FILES), np_)
 
 
+# --- marks and pressure ---------------------------------------------------------------------------
+
+
+def apical_data(lmp, scene, pick):
+    """Data file of the scene in which faces are apical if pick(centroid)."""
+    made = lmp(scene.head().replace("create_box 4", "create_box 8")
+               + "write_data x.data nofix nocoeff\n", files=FILES)
+    start, _, rest = (made.path / "x.data").read_text().partition("Atoms # dcm\n\n")
+    atoms, end = rest.split("\n\n", 1)
+    atoms = [line.split() for line in atoms.splitlines()]
+    # id mol type kind radius x y z v1 v2 v3 region volume0 ix iy iz
+    for row in atoms:
+        if int(row[3]) == FACE and pick(np.array(row[5:8], float)):
+            row[11] = str(APICAL)
+    return start + "Atoms # dcm\n\n" + "\n".join(map(" ".join, atoms)) + "\n\n" + end
+
+
+READ = "read_data x.data extra/bond/per/atom 8 extra/dihedral/per/atom 8\n"
+
+
+def around_origin(x):
+    return math.hypot(x[0], x[1]) < 5.5
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+def test_tracers_mark_what_the_flood_does(lmp, scenes, np_):
+    """Surfaces at rest; after the tracers have had the time to spread."""
+    together = Together(scenes)
+    data = apical_data(lmp, together.scene, around_origin)
+    area = {}
+    for marks, steps in (("flood", 2), ("tracer", 250)):
+        deck = (
+            together.again(READ) + together.laws() + together.scene.volume()
+            + f"fix tracer all dcm/tracer type {TRACER_TYPE} number 60 D 0.14 seed 5 "
+            + f"slab z {-SLAB} {SLAB}\n"
+            + f"fix osm all dcm/osmosis pressure 0 marks {marks} slab z {-SLAB} {SLAB} every 1\n"
+            + "compute f all dcm/face mark area contact_area\n"
+            + "timestep 1.0\n" + scenes.dump("id type c_f[1] c_f[2] c_f[3]", 1000)
+            + scenes.thermo(["out=f_tracer[2]"], 50)
+            + f"run {steps}\nwrite_dump all custom last.txt id type c_f[1] c_f[2] c_f[3] "
+            + "modify sort id format float %.17g\n"
+        )  # fmt: skip
+        result = lmp(deck, np=np_, files={**FILES, "x.data": data})
+        frame = result.dump("last.txt")[0]
+        area[marks] = np.where(frame["c_f[1]"] == 1, frame["c_f[2]"], 0.0)
+        if marks == "tracer":
+            assert result.thermo[-1]["v_out"] > 20
+    both = np.minimum(area["flood"], area["tracer"]).sum()
+    either = np.maximum(area["flood"], area["tracer"]).sum()
+    print("flood", area["flood"].sum(), "tracer", area["tracer"].sum(), "both", both / either)
+    assert area["flood"].sum() > 20.0
+    assert both == pytest.approx(either, rel=1e-12)
+
+
+@pytest.mark.parametrize("weight", ["full", "free"])
+def test_net_force_and_torque_of_several_cells(lmp, scenes, weight):
+    """All of the surface of four touching cells is marked and closes: with weight full force and
+    torque are round-off. With weight free, what is in contact is not pushed on, and of a lumen
+    between the cells the marks do not close: the net force is P times the missing area vector."""
+    together = Together(scenes)
+    data = apical_data(lmp, together.scene, around_origin)
+    for marks in ("starter 0 0 0 100 1e9", f"slab z {-SLAB} {SLAB}"):
+        frames = []
+        for P in (0.0, 1.0):
+            deck = (
+                together.again(READ) + together.laws() + together.scene.volume()
+                + f"fix osm all dcm/osmosis pressure {P} marks flood {marks} weight {weight}\n"
+                + "compute f all dcm/face mark area contact_area nx ny nz\n"
+                + scenes.dump("id type c_f[1] c_f[2] c_f[3] c_f[4] c_f[5] c_f[6] xu yu zu "
+                              "fx fy fz", 1)
+                + scenes.thermo(["force=f_osm[6]", "closure=f_osm[7]", "area=f_osm[1]"])
+                + "run 0\n"
+            )  # fmt: skip
+            result = lmp(deck, files={**FILES, "x.data": data})
+            frames.append(result.dump()[0])
+        force = frames[1].f - frames[0].f
+        total, torque = force.sum(axis=0), np.cross(frames[0].x, force).sum(axis=0)
+        frame, row = frames[1], result.thermo[-1]
+        scale, arm = get(row, "area"), np.abs(frame.x).max()
+        marked = frame["c_f[1]"] == 1
+        # starters are pushed on in full, whatever the weight
+        full = weight == "full" or "starter" in marks
+        w = frame["c_f[2]"] - (0.0 if full else frame["c_f[3]"])
+        normals = frame.vectors("c_f[4]", "c_f[5]", "c_f[6]")
+        missing = (w[:, None] * normals)[marked].sum(axis=0)
+        print(marks, weight, np.abs(total).max() / scale, np.abs(torque).max() / scale / arm,
+              get(row, "closure"))
+        # the forces of the cells, which are subtracted, are no larger
+        assert np.abs(total + missing).max() < 1e-12 * scale
+        assert get(row, "force") == pytest.approx(np.linalg.norm(missing), abs=1e-12 * scale)
+        if "starter" in marks:
+            assert marked.sum() == 4 * 320
+            assert np.abs(total).max() < 1e-12 * scale
+            assert np.abs(torque).max() < 1e-12 * scale * arm
+
+
+def test_hysteresis_of_marks(lmp, scenes):
+    """Two cells approach and part again: a mark falls when more than half of its face is in
+    contact, and comes back when less than theta is."""
+    scene = scenes.doublet(level=2, gap=0.6)
+    scene.parameters, scene.NAMES = FILE, NAMES
+    data = apical_data(lmp, scene, lambda x: True)
+    deck = (
+        f"units lj\natom_style dcm\nnewton on\nboundary {scene.boundary}\n" + READ
+        + scene.forces() + "group left molecule 1\ngroup right molecule 2\n"
+        + "fix osm all dcm/osmosis pressure 0 marks flood every 1 free 0.05\n"
+        + "fix one left move wiggle 0.6 0.0 0.0 60.0\nfix two right move wiggle -0.6 0.0 0.0 60.0\n"
+        + "compute f all dcm/face mark area contact_area\ntimestep 1.0\n"
+        + scenes.dump("id type c_f[1] c_f[2] c_f[3]", 1) + "run 30\n"
+    )  # fmt: skip
+    frames = lmp(deck, files={**FILES, "x.data": data}).dump()
+    seen = np.zeros(3, dtype=int)
+    for before, frame in zip(frames[1:-1], frames[2:], strict=True):
+        face = before["type"] == 3
+        # a mark of a step is of the contacts at the end of the step before
+        part = before["c_f[3]"][face] / before["c_f[2]"][face]
+        was, now = before["c_f[1]"][face] == 1, frame["c_f[1]"][face] == 1
+        assert now[part < 0.05].all() and not now[part > 0.5].any(), frame.step
+        between = (part > 0.05) & (part < 0.5)
+        assert (now == was)[between].all(), frame.step
+        seen += [(between & was).sum(), (between & ~was).sum(), (part > 0.5).sum()]
+    assert (seen > 10).all(), seen
+
+
 # --- cells that come, go and change ---------------------------------------------------------------
 
 
