@@ -263,6 +263,32 @@ def spheroid(cells=55, dcm=13, radius=6.0, type="hepatoblast", gap=0.0, jitter=0
     return jittered(made, jitter, seed, planar=False)
 
 
+def ball(radius=5.5, kind="dcm", type="cholangiocyte", around=3, size=3.5, gap=0.0, jitter=0.0,
+         seed=1):
+    """One cell at the origin in a ball of spheres of radius `size` (um) and type sphere.
+
+    They lie on `around` shells, on each as many points of a Fibonacci spiral as stand `gap` apart;
+    a shell lies in the hollows of the one below, 0.82 of a diameter above it.
+    """
+    if around < 0:
+        raise SceneError(f"--around is {around}: it must not be negative")
+    check_positive(radius=radius, size=size)
+    check_gap(gap)
+    made = [Cell(type, kind, 0.0, 0.0, 0.0, radius)]
+    rng = np.random.default_rng(seed)
+    rho = (radius + size) * (1.0 + gap)
+    for _ in range(around):
+        # neighbors on a spiral of n points are at least 3.09 / sqrt(n) apart, in units of rho
+        n = max(1, int((3.09 * rho / (2.0 * size * (1.0 + gap))) ** 2))
+        z = 1.0 - (2.0 * np.arange(n) + 1.0) / n
+        angle = math.pi * (3.0 - math.sqrt(5.0)) * np.arange(n) + 2.0 * math.pi * rng.uniform()
+        flat = np.sqrt(1.0 - z * z)
+        points = rho * np.column_stack([flat * np.cos(angle), flat * np.sin(angle), z])
+        made += [Cell("sphere", "cbm", *map(float, x), size) for x in points]
+        rho += 2.0 * size * (1.0 + gap) * math.sqrt(2.0 / 3.0)
+    return made[:1] + jittered(made[1:], jitter, seed, planar=False)
+
+
 def sheet(cells=61, window=None, radius=6.0, type="hepatoblast", gap=0.0, jitter=0.0, seed=1):
     """Monolayer patch on the plane z = 0: hexagonal, centres at z = radius, DCM in the middle.
 
@@ -428,6 +454,13 @@ def add_arguments(parser):
     p.add_argument("--cells", type=int, default=55, help="number of cells")
     p.add_argument("--dcm", type=int, default=13, help="how many of them, from inside, are DCM")
     one_type(p, kind=False)
+    randomness(p)
+    p = scene_parser("ball", ball, "one cell in a ball of spheres")
+    p.set_defaults(radius=5.5)
+    p.add_argument("--around", type=int, default=3, help="shells of spheres around it")
+    p.add_argument("--size", type=float, default=3.5, help="radius of these spheres, um")
+    p.add_argument("--kind", choices=KINDS, default="dcm", help="kind of the cell")
+    p.add_argument("--type", default="cholangiocyte", help="its type name")
     randomness(p)
     p = scene_parser("sheet", sheet, "hexagonal monolayer patch on the plane z = 0, DCM inside")
     p.add_argument("--cells", type=int, default=61, help="number of cells")
