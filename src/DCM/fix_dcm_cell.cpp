@@ -100,8 +100,9 @@ void FixDCMCell::check_current(LAMMPS *lmp, const std::string &asking,
                                const PairDCMContact *contact)
 {
   // one that was made anew may have the address of the last, but has measured nothing yet
-  if (!contact || lmp->force->pair_match("dcm/contact", 1) != contact || !contact->contact_area())
-    lmp->error->all(FLERR,
+  const bool there = contact && lmp->force->pair_match("dcm/contact", 1) == contact;
+  if (!there || (lmp->atom->nlocal > 0 && !contact->contact_area()))
+    lmp->error->one(FLERR,
                     "{}: pair_style dcm/contact was removed or defined anew since the last step; do "
                     "a 'run 0' before using values of this style",
                     asking);
