@@ -228,7 +228,6 @@ def test_a_cell_at_the_lumen_divides(lmp, scenes, np_):
     # the constriction: let go in the mother, begun anew in the daughters
     assert value(before, mother, CONSTRICTED) >= 0.0
     share = [value(frame_at(result, k), mother, CONSTRICTION) for k in range(50, step)]
-    print("share of the ramp", share)
     assert share[0] == 1.0 and share[-1] < 1.0  # it rounds up faster than the ramp runs back
     assert all(value(frame, daughter, CONSTRICTED) < 0.0 for daughter in daughters)
     born = {d: value(frames[-1], d, CONSTRICTED) for d in daughters}
@@ -274,7 +273,6 @@ def test_a_cell_at_the_lumen_divides(lmp, scenes, np_):
         assert (to_marks[frame[MARK][mine] == 1] < 0.45 * edge).all()
         marked += frame[AREA][mine][frame[MARK][mine] == 1].sum()
     kept = before[AREA][rows][before[MARK][rows] == 1].sum()
-    print("marked of the mother, of the daughters", kept, marked)
     assert 0.6 * kept < marked < 2.0 * kept
 
     # the lumen's volume: what the daughters leave free or take of the space in the slab, and the
@@ -292,7 +290,6 @@ def test_a_cell_at_the_lumen_divides(lmp, scenes, np_):
     volume = {k: get(thermo[k], "lumen2") for k in range(step - 6, step + 6)}
     jump = volume[step] - volume[step - 1]
     usual = max(abs(volume[k] - volume[k - 1]) for k in range(step - 5, step))
-    print("volume", volume, "jump", jump, "usual", usual, "left free", gain, "taken", loss)
     assert -loss - usual < jump < gain + usual
     assert get(thermo[step + 1], "lumen1") >= 1 and get(thermo[step + 1], "osm3") == 5
 
@@ -394,7 +391,7 @@ def around_origin(x):
 @pytest.mark.parametrize("np_", [1, 2])
 def test_tracers_mark_what_the_flood_does(lmp, scenes, np_):
     """Surfaces at rest; after the tracers have had the time to spread."""
-    together = Together(scenes)
+    together = Together(scenes, gap=-0.3)
     data = apical_data(lmp, together.scene, around_origin)
     area = {}
     for marks, steps in (("flood", 2), ("tracer", 250)):
@@ -416,7 +413,6 @@ def test_tracers_mark_what_the_flood_does(lmp, scenes, np_):
             assert result.thermo[-1]["v_out"] > 20
     both = np.minimum(area["flood"], area["tracer"]).sum()
     either = np.maximum(area["flood"], area["tracer"]).sum()
-    print("flood", area["flood"].sum(), "tracer", area["tracer"].sum(), "both", both / either)
     assert area["flood"].sum() > 20.0
     assert both == pytest.approx(either, rel=1e-12)
 
@@ -452,8 +448,6 @@ def test_net_force_and_torque_of_several_cells(lmp, scenes, weight):
         w = frame["c_f[2]"] - (0.0 if full else frame["c_f[3]"])
         normals = frame.vectors("c_f[4]", "c_f[5]", "c_f[6]")
         missing = (w[:, None] * normals)[marked].sum(axis=0)
-        print(marks, weight, np.abs(total).max() / scale, np.abs(torque).max() / scale / arm,
-              get(row, "closure"))
         # the forces of the cells, which are subtracted, are no larger
         assert np.abs(total + missing).max() < 1e-12 * scale
         assert get(row, "force") == pytest.approx(np.linalg.norm(missing), abs=1e-12 * scale)
@@ -535,7 +529,6 @@ def test_the_last_secreting_cell_dies(lmp, scenes, np_, death):
     thermo = {int(row["Step"]): row for row in result.thermo}
     frames = result.dump()
     gone = next(frame.step for frame in frames if 2 not in cells_of(frame))
-    print("died in", gone, [(k, get(thermo[k], "osm2"), get(thermo[k], "tracer8")) for k in range(24, 36)])
     assert 25 <= gone <= 27
     assert get(thermo[gone - 1], "osm3") == 4
     held = get(thermo[gone - 1], "tracer1")
@@ -559,7 +552,7 @@ def test_a_secreting_cell_becomes_a_sphere(lmp, scenes, np_, death):
         together.head() + "group one molecule 2\n" + together.laws() + "neighbor 0.8 multi\n"
         + together.cells(
             tracer=f"death {death}", growth=False,
-            change="variable out atom step>=25\n"
+            change="variable out atom 24.5-step\n"
             "fix change one dcm/convert dcm 6 7 8 1 1 cbm 4 variable v_out every 1\n",
         )
         + together.output(1) + "run 35\n",
@@ -573,7 +566,6 @@ def test_a_secreting_cell_becomes_a_sphere(lmp, scenes, np_, death):
     last = result.thermo[-1]
     assert get(last, "tracer8") == (held if death == "delete" else 0)
     total = sum(get(last, f"tracer{k}") for k in (1, 2, 5, 8))
-    print(change, [last[f"v_tracer{k}"] for k in range(1, 10)])
     assert total == 120
     assert get(last, "tight1") == 3 and get(last, "pol1") == 3
     assert set(frames[-1]["type"][frames[-1]["mol"] == 2]) == {4}
