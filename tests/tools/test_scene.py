@@ -106,7 +106,7 @@ def test_ring_spheroid_doublet():
 def test_sheet():
     cells = scene.sheet(cells=19, radius=5.0)
     assert all(c.z == 5.0 for c in cells)
-    # middle, six neighbours at 10, then six at 10 sqrt(3) and six at 20
+    # middle, six neighbors at 10, then six at 10 sqrt(3) and six at 20
     rho = sorted(math.hypot(c.x, c.y) for c in cells)
     assert rho == pytest.approx([0] + [10] * 6 + [17.3205081] * 6 + [20] * 6, abs=1e-6)
     assert max(overlap_by_loop(scene.sheet(cells=n)) for n in (7, 40, 300)) <= 1e-9

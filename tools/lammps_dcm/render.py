@@ -65,7 +65,7 @@ def cell_colors(face_cells, sphere_cells):
 
 
 def scale(face_values, sphere_values, title, limits, cmap):
-    """Colors of numbers, NaN in grey: ((m, 3), (s, 3), bar)."""
+    """Colors of numbers, NaN in gray: ((m, 3), (s, 3), bar)."""
     import matplotlib
 
     values = np.append(face_values, sphere_values).astype(float)

@@ -128,7 +128,7 @@ def duct(size="quick", endothelium=None, rings=None, dcm_rings=None, sector=None
 
     From the axis outward: one ring of `endothelium` cells that touch each other, mesenchyme,
     `rings` rings of hepatoblasts, every ring holding as many cells as fit on its circle.
-    Hepatoblasts of the first `dcm_rings` rings whose angle lies within `sector` degrees, centred
+    Hepatoblasts of the first `dcm_rings` rings whose angle lies within `sector` degrees, centered
     on +x, are DCM, all others CBM. The last ring has the type `outer`, so that a deck can push it
     inward. `settled` closes the voids between the rings (endothelium stays). Radii in um.
 
@@ -223,7 +223,7 @@ def with_cholangiocytes(cells, number):
 
 def ring(cells=8, radius=6.0, kind="dcm", type="hepatoblast", around=0, gap=0.0, jitter=0.0,
          seed=1):
-    """`cells` equal cells on one circle in the plane z = 0, each touching its two neighbours, and
+    """`cells` equal cells on one circle in the plane z = 0, each touching its two neighbors, and
     `around` rings of spheres of type sphere around them, the last one of type outer.
     """
     if cells < 3:
@@ -294,7 +294,7 @@ def sheet(cells=61, window=None, radius=6.0, type="hepatoblast", gap=0.0, jitter
 
     The `cells` sites nearest to the z axis; ties are broken by coordinates. Whole hexagons: 1, 7,
     19, 37, 61. Cells whose centre is within `window` (um) of the axis are DCM, all others CBM; by
-    default the middle cell and its six neighbours, none if it is negative. jitter: along x and y.
+    default the middle cell and its six neighbors, none if it is negative. jitter: along x and y.
     """
     if cells < 1:
         raise SceneError(f"--cells is {cells}: a sheet takes at least 1")
@@ -416,7 +416,7 @@ def add_arguments(parser):
         p.set_defaults(build=build)
         p.add_argument("-o", "--output", default="cells.txt", help="cells table to write")
         p.add_argument("--radius", type=float, default=6.0, help="hepatoblast radius, um")
-        p.add_argument("--gap", type=float, default=0.0, help="free distance between neighbours "
+        p.add_argument("--gap", type=float, default=0.0, help="free distance between neighbors "
                        "as a fraction of their summed radii; negative for overlap")
         return p
 
@@ -436,7 +436,7 @@ def add_arguments(parser):
     p.add_argument("--endothelium", type=int, help="cells in the innermost ring")
     p.add_argument("--rings", type=int, help="rings of hepatoblasts, the border ring included")
     p.add_argument("--dcm-rings", type=int, help="first rings of hepatoblasts that are DCM")
-    p.add_argument("--sector", type=float, help="angle, centred on +x, in which they are, degree")
+    p.add_argument("--sector", type=float, help="angle, centered on +x, in which they are, degree")
     p.add_argument("--vein-radius", type=float, default=4.0, help="endothelium cell radius, um")
     p.add_argument("--mesenchyme-radius", type=float, default=4.0, help="their radius, um")
     p.add_argument("--no-settle", dest="settled", action="store_false",
@@ -465,7 +465,7 @@ def add_arguments(parser):
     p = scene_parser("sheet", sheet, "hexagonal monolayer patch on the plane z = 0, DCM inside")
     p.add_argument("--cells", type=int, default=61, help="number of cells")
     p.add_argument("--window", type=float, help="DCM up to this distance of a centre from the "
-                   "middle, um; None: the middle cell and its neighbours")
+                   "middle, um; None: the middle cell and its neighbors")
     one_type(p, kind=False)
     randomness(p)
     p = scene_parser("crowd", crowd, "cells that fill a periodic cube, all DCM")
