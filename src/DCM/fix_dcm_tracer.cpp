@@ -375,6 +375,10 @@ void FixDCMTracer::walk_all()
 
 void FixDCMTracer::touch_faces(double range, std::vector<int> &result)
 {
+  if (range > asked) {    // tracers ask for a rebuild earlier; an error if ranks know too little
+    asked = range;
+    set_limits();
+  }
   std::vector<int> all(atom->nlocal + atom->nghost, 0);
   dcm::Voxels wide;
   const bool far_reaching = range > walk.near;

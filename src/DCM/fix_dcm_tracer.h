@@ -119,6 +119,7 @@ class FixDCMTracer : public Fix, public DCMRole {
   double largest = 0.0;               // reach of the largest face, all ranks
   double limit_lo[3], limit_hi[3];    // beyond these the next step may not fit
   bool limited = false;
+  double asked = 0.0;    // largest range of touch_faces()
 
   // cells that came and went in this step
 

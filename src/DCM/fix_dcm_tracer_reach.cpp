@@ -87,13 +87,14 @@ void FixDCMTracer::set_limits()
                STYLE, D, drift, update->dt, longest, MOST_EDGES);
   const double infinite = std::numeric_limits<double>::infinity();
   limited = false;
+  const double sight = std::max(walk.near, asked);
   double least = infinite;
   for (int k = 0; k < 3; k++) {
     const bool open_lo = !domain->periodicity[k] && domain->sublo[k] <= domain->boxlo[k];
     const bool open_hi = !domain->periodicity[k] && domain->subhi[k] >= domain->boxhi[k];
     // a face with a point within s of here had its corners within s + 2 reach + skin at the rebuild
     const double known = comm->cutghost[k] - 2.0 * largest - neighbor->skin;
-    const double room = known - longest - walk.near;
+    const double room = known - longest - sight;
     limit_lo[k] = open_lo ? -infinite : domain->sublo[k] - room;
     limit_hi[k] = open_hi ? infinite : domain->subhi[k] + room;
     if (open_lo && open_hi) continue;
@@ -108,7 +109,7 @@ void FixDCMTracer::set_limits()
         "do not change that), and with the {:.4g} around them that they look at this is "
         "{:.4g} beyond the faces that a rank knows; reduce D or the timestep, or set "
         "'comm_modify cutoff {:.4g}'",
-        STYLE, D, update->dt, longest, substeps, walk.near, -least,
+        STYLE, D, update->dt, longest, substeps, sight, -least,
         std::ceil(10.0 * (comm->get_comm_cutoff() - least) + 1.0) / 10.0);
 }
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from support.bad_decks import fails
-from support.tracers import FACE, Deck, right_places, surfaces, tracers
+from support.tracers import FACE, Deck, right_places, surfaces, tracers, winding
 
 GOOD = "number 100 D 0.02 seed 7 "
 
@@ -34,7 +34,7 @@ def inside_of(frame):
 def test_drift(lmp, scenes, np_):
     """u t along the apical vector in the cell, nothing outside; both within three standard
     errors."""
-    u, D, steps = 0.2, 0.01, 5
+    u, D, steps = 0.2, 0.002, 5
     deck = Deck(lmp, scenes, scenes.single_cell(level=1))
     rng = np.random.default_rng(2)
     outside = [(*x, 0) for x in 9.0 + 3.0 * rng.random((1000, 3))]
@@ -105,7 +105,9 @@ def test_conversion(lmp, scenes, death, np_):
     rows = {row["Step"]: row for row in result.thermo}
     for a in (1, 11, 21):
         right_places([frames[k] for k in range(a, a + 9)])
-    right_places([frames[20], frames[20]])  # the new surface, in the step in which it came
+    _, x, home, _ = tracers(frames[20])  # the new surface, in the step in which it came
+    inside = winding(x, surfaces(frames[20])[2]) > 0.5
+    assert np.array_equal(inside[home != 1], home[home != 1] == 2)
     assert len(surfaces(frames[15])) == 1 and len(surfaces(frames[20])) == 2
     assert not (tracers(frames[15])[2] == 2).any()
     lost = inside_of(frames[9])[2]
@@ -279,5 +281,3 @@ def test_comm_mode_multi(lmp, scenes):
         lmp, deck(GOOD, 0, dump=False, before="comm_modify mode multi\n"),
         "Fix dcm/tracer needs 'comm_modify mode single'", run="run 1\n", files=deck.files(),
     )  # fmt: skip
-
-

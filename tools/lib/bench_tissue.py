@@ -71,7 +71,7 @@ def leaks(options, folder):
         wrong, asked, cells = check(where)
         count = {name: round(row[f"f_tracer[{k}]"]) for k, name in enumerate(COUNTS, 1)}
         there = count["inside"] + count["outside"]
-        print(f"{ranks} ranks: {there * options.steps:.2g} steps of {there} tracers in 8 to {cells} "
+        print(f"{ranks} ranks: {there * options.steps:.2g} steps of {there} tracers, 8 to {cells} "
               f"cells, {seconds:.0f} s; {wrong} of {asked}\n  on the wrong side; "
               + ", ".join(f"{value} {name}" for name, value in count.items()), flush=True)
         total += wrong
