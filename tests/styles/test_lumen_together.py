@@ -396,8 +396,8 @@ def test_tracers_mark_what_the_flood_does(lmp, scenes, np_):
     area = {}
     for marks, steps in (("flood", 2), ("tracer", 250)):
         deck = (
-            together.again(READ) + together.laws() + together.scene.volume()
-            + f"fix tracer all dcm/tracer type {TRACER_TYPE} number 60 D 0.14 seed 5 "
+            together.again(READ) + together.laws() + "comm_modify cutoff 8.5\n"
+            + together.scene.volume() + f"fix tracer all dcm/tracer type {TRACER_TYPE} number 60 D 0.14 seed 5 "
             + f"slab z {-SLAB} {SLAB}\n"
             + f"fix osm all dcm/osmosis pressure 0 marks {marks} slab z {-SLAB} {SLAB} every 1\n"
             + "compute f all dcm/face mark area contact_area\n"

@@ -192,22 +192,27 @@ template <class Faces> class TracerWalk {
     return ok;
   }
 
-  /// Is the face nearest to x in front of it and within the range of the rule, a shut one?
+  /// Is the face nearest to x in front of it and within the range of the rule, a shut one? Faces
+  /// that share the nearest edge or node are as near up to round-off, which must not choose among
+  /// them: one that is shut is enough.
   bool in_slit(const Vec3 &x)
   {
     if (!(shut_range > 0.0)) return false;
-    double least = shut_range * shut_range;
-    const TracerFace *nearest = nullptr;
+    constexpr double SAME = 1.0e-9;
+    const double most = shut_range * shut_range;
+    double least = most;
+    bool any = false, shut = false;
     for (const int f : voxels.at(x)) {
       const TracerFace &face = faces[f];
       const double height = (x - face.mid).dot(face.normal);
-      if (height < -delta || height * height > least) continue;
+      if (height < -delta || height * height > most) continue;
       const double d2 = (x - face.nearest(x)).squaredNorm();
-      if (d2 > least || (nearest && d2 == least && face.tag > nearest->tag)) continue;
-      least = d2;
-      nearest = &face;
+      if (d2 > (any ? least + SAME * most : most)) continue;
+      shut = face.shut || (shut && d2 >= least - SAME * most);
+      least = std::min(least, d2);
+      any = true;
     }
-    return nearest && nearest->shut;
+    return shut;
   }
 
   /// The surfaces have moved by at most `moved` since the tracer was where it belongs. False: its
