@@ -45,7 +45,7 @@ static constexpr double FOREVER = std::numeric_limits<double>::infinity();
 /* ----------------------------------------------------------------------
    fix ID group dcm/osmosis [pressure P|v_name [dilute V]] [solute rate R kT E [loss T] [least V]]
        marks flood|tracer [secrete GROUP] [free theta] [range r] [weight free|full] [memory yes|no]
-       [slab x|y|z lo hi] [starter x y z r T | apical T] [ramp T] [every N]
+       [basal yes|no] [slab x|y|z lo hi] [starter x y z r T | apical T] [ramp T] [every N]
 ------------------------------------------------------------------------- */
 
 FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :

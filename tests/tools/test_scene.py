@@ -103,6 +103,16 @@ def test_ring_spheroid_doublet():
     assert distance(a, b) == pytest.approx(9.0)
 
 
+def test_ball():
+    cells = scene.ball(radius=5.5, around=3, size=3.5, gap=-0.05)
+    assert [c.kind for c in cells].count("dcm") == 1 and cells[0].radius == 5.5
+    # shells lie where their distance says, and no two cells overlap more than LAMMPS takes
+    shells = sorted({round(math.dist((c.x, c.y, c.z), (0, 0, 0)), 6) for c in cells[1:]})
+    assert shells == pytest.approx([8.55 + k * 6.65 * math.sqrt(2 / 3) for k in range(3)])
+    assert scene.worst_overlap(cells) < 0.25
+    assert len(scene.ball(around=0)) == 1
+
+
 def test_sheet():
     cells = scene.sheet(cells=19, radius=5.0)
     assert all(c.z == 5.0 for c in cells)
@@ -150,7 +160,8 @@ def test_shipped_tables_are_what_their_command_makes(tmp_path):
     ("duct --radius 0", "--radius"), ("duct --radius nan", "--radius"),
     ("duct --cholangiocytes 2", "--cholangiocytes"), ("duct --cholangiocytes 3", "--dcm-rings"),
     ("duct --endothelium 2", "--endothelium"), ("duct --jitter -1", "--jitter"),
-    ("ring --cells 2", "--cells"), ("spheroid --dcm 99", "--dcm"),
+    ("ring --cells 2", "--cells"), ("ball --around -1", "--around"), ("ball --size 0", "--size"),
+    ("spheroid --dcm 99", "--dcm"),
     ("sheet --cells 0", "--cells"), ("sheet --window nan", "--window"),
     ("doublet --distance 2", "overlap"), ("ring -o /nowhere/cells.txt", "/nowhere")])
 def test_bad_options_name_themselves(words, says, tmp_path, monkeypatch, capsys):

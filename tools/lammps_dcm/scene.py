@@ -408,7 +408,7 @@ def read_table(path):
 def add_arguments(parser):
     """Add `scene` sub-commands and their options to an argparse parser."""
     sub = parser.add_subparsers(dest="scene", required=True, metavar="duct|ring|spheroid|"
-                                "sheet|crowd|doublet")
+                                "ball|sheet|crowd|doublet")
     helpers = argparse.ArgumentDefaultsHelpFormatter
 
     def scene_parser(name, build, text):
