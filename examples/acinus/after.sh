@@ -2,5 +2,5 @@
 # tools/run does this; by hand: PYTHON=python bash after.sh, with tools on PYTHONPATH
 set -e
 "$PYTHON" -m lammps_dcm lumen lumen.dump --plane z -o lumen.csv --plot lumen_size.png
-"$PYTHON" -m lammps_dcm render lumen.dump --frame all --section z --window -20 20 -20 20 --size 1000 \
-  --names 1=cholangiocyte,4=sphere -o acinus.png
+"$PYTHON" -m lammps_dcm render lumen.dump --frame all --section z \
+  --window -20 20 -20 20 --size 1000 --names 1=cholangiocyte,4=sphere -o acinus.png

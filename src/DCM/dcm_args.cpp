@@ -190,8 +190,8 @@ void LAMMPS_NS::dcm_check_point(LAMMPS *lmp, const std::string &asking, const st
 {
   const auto *const domain = lmp->domain;
   for (int k = 0; k < 3; k++)
-    if (domain->periodicity[k] && (x[k] < domain->boxlo[k] - domain->prd[k] ||
-                                   x[k] > domain->boxhi[k] + domain->prd[k]))
+    if (domain->periodicity[k] &&
+        (x[k] < domain->boxlo[k] - domain->prd[k] || x[k] > domain->boxhi[k] + domain->prd[k]))
       lmp->error->all(FLERR,
                       "{}: {} {} {} {} lies outside the periodic box, which reaches from {:.4g} to "
                       "{:.4g} in {}; give a point in the box",

@@ -90,10 +90,11 @@ FixDCMCell *FixDCMCell::require(LAMMPS *lmp, const std::string &asking)
 void FixDCMCell::check_current(LAMMPS *lmp, const std::string &asking, const FixDCMCell *cell)
 {
   if (!cell || find(lmp) != cell)
-    lmp->error->all(FLERR,
-                    "{}: fix dcm/cell was removed or defined anew since the last step; do a 'run 0' "
-                    "before using values of this style",
-                    asking);
+    lmp->error->all(
+        FLERR,
+        "{}: fix dcm/cell was removed or defined anew since the last step; do a 'run 0' "
+        "before using values of this style",
+        asking);
 }
 
 void FixDCMCell::check_current(LAMMPS *lmp, const std::string &asking,
@@ -102,20 +103,22 @@ void FixDCMCell::check_current(LAMMPS *lmp, const std::string &asking,
   // one that was made anew may have the address of the last, but has measured nothing yet
   const bool there = contact && lmp->force->pair_match("dcm/contact", 1) == contact;
   if (!there || (lmp->atom->nlocal > 0 && !contact->contact_area()))
-    lmp->error->one(FLERR,
-                    "{}: pair_style dcm/contact was removed or defined anew since the last step; do "
-                    "a 'run 0' before using values of this style",
-                    asking);
+    lmp->error->one(
+        FLERR,
+        "{}: pair_style dcm/contact was removed or defined anew since the last step; do "
+        "a 'run 0' before using values of this style",
+        asking);
 }
 
 void FixDCMCell::check_atoms(const std::string &asking) const
 {
   const size_t nall = atom->nlocal + atom->nghost;
   if (known_tags.size() != nall || !std::equal(known_tags.begin(), known_tags.end(), atom->tag))
-    error->one(FLERR,
-               "{}: atoms were added, deleted or given to other processes since the last step; do a "
-               "'run 0' before using values of this style",
-               asking);
+    error->one(
+        FLERR,
+        "{}: atoms were added, deleted or given to other processes since the last step; do a "
+        "'run 0' before using values of this style",
+        asking);
 }
 
 // with the ID that decks use, so that one that the deck defines later replaces it

@@ -160,7 +160,8 @@ class FixDCMCell : public Fix {
   std::vector<int> image_kind;
   std::vector<double> image_values;
   std::vector<double *> image_rows;
-  std::vector<tagint> known_tags;    // of all atoms, when it was found out to which cell they belong
+  std::vector<tagint>
+      known_tags;    // of all atoms, when it was found out to which cell they belong
 
   void count_members();
   void snap_centers();

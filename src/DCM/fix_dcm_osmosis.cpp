@@ -50,9 +50,8 @@ static constexpr double FOREVER = std::numeric_limits<double>::infinity();
 
 FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), pressure(0.0), dilute(0.0), rate(0.0), kT(0.0), loss(FOREVER), least(1.0),
-    solute(false), tracers(false), memory_kept(false), weigh_free(true),
-    spare_basal(false), theta(0.05), range(0.0),
-    secrete_bit(groupbit), axis(-1), lo(0.0), hi(0.0), ramp(0.0),
+    solute(false), tracers(false), memory_kept(false), weigh_free(true), spare_basal(false),
+    theta(0.05), range(0.0), secrete_bit(groupbit), axis(-1), lo(0.0), hi(0.0), ramp(0.0),
     starter(NO_STARTER), point{0.0, 0.0, 0.0}, radius(0.0), starting(0.0), now(), cell(nullptr),
     contact(nullptr), graph(lmp, STYLE), tracer(nullptr), mark(nullptr), whole(nullptr),
     acting(0.0), worked(0.0), measured(false), wall(0.0), net(0.0)
@@ -262,11 +261,11 @@ void FixDCMOsmosis::check_places()
                "move the slab to the cells",
                STYLE, group->names[igroup], "xyz"[axis], lo, hi);
   if (!any[1] && comm->me == 0)
-    error->warning(FLERR,
-                   "{}: no face of group {} lies within {:.6g} of the starter's point {:.6g} {:.6g} "
-                   "{:.6g} at step {}; without one in its time nothing is started",
-                   STYLE, group->names[igroup], radius, point[0], point[1], point[2],
-                   update->ntimestep);
+    error->warning(
+        FLERR,
+        "{}: no face of group {} lies within {:.6g} of the starter's point {:.6g} {:.6g} "
+        "{:.6g} at step {}; without one in its time nothing is started",
+        STYLE, group->names[igroup], radius, point[0], point[1], point[2], update->ntimestep);
 }
 
 /* ----------------------------------------------------------------------

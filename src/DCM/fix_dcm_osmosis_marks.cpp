@@ -235,8 +235,7 @@ void FixDCMOsmosis::set_marks()
 void FixDCMOsmosis::count_solute(double area)
 {
   if (solute && now.counted >= 0.0)
-    now.amount =
-        dcm::secreted(now.amount, rate * now.secreting, loss, now.clock - now.counted);
+    now.amount = dcm::secreted(now.amount, rate * now.secreting, loss, now.clock - now.counted);
   if (now.nfaces == 0) now.amount = 0.0;
   now.counted = now.clock;
   now.secreting = area;

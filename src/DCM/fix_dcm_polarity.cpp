@@ -253,7 +253,7 @@ bool FixDCMPolarity::stays(int row) const
 {
   const auto &table = cell->cells();
   const int phase = table[row].phase;
-  const double left = (*frozen)(row) - table.time();
+  const double left = (*frozen)(row) -table.time();
   return phase == DCMCellTable::ROUNDING || phase == DCMCellTable::READY ||
          (left > 0.0 && left <= freeze + update->dt);    // more: the deck has set the time back
 }

@@ -161,10 +161,11 @@ void FixDCMTracer::init()
                  "{}: slab {} {} {} lies outside the box, which reaches from {:.4g} to {:.4g}",
                  STYLE, "xyz"[slab_axis], slab_lo, slab_hi, lo, hi);
     if (domain->periodicity[slab_axis] && (slab_lo < lo || slab_hi > hi))
-      error->all(FLERR,
-                 "{}: slab {} {} {} reaches across the border of the periodic box, which reaches from "
-                 "{:.4g} to {:.4g}; move the cells, or make the slab narrower",
-                 STYLE, "xyz"[slab_axis], slab_lo, slab_hi, lo, hi);
+      error->all(
+          FLERR,
+          "{}: slab {} {} {} reaches across the border of the periodic box, which reaches from "
+          "{:.4g} to {:.4g}; move the cells, or make the slab narrower",
+          STYLE, "xyz"[slab_axis], slab_lo, slab_hi, lo, hi);
   }
   DCMCellSurgery::check_order(lmp, this, STYLE);
   mark_ghosts();

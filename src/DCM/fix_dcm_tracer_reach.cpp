@@ -40,7 +40,8 @@ static constexpr int LOOK_FAR = 10;    // steps between two looks for tracers th
 
 static constexpr double DELTA = 1.0e-7, NEAR_LEAST = 0.55, NEAR_MOST = 1.2;
 
-// longest step, in edges: shrink-wrapped sides follow the tracers, and cells of LAMMPS' bins with them
+// longest step, in edges: shrink-wrapped sides follow the tracers, and cells of LAMMPS' bins with
+// them
 
 static constexpr double MOST_EDGES = 100.0;
 static constexpr double SLACK = 0.1;    // of the range: faces may move so far under the same voxels
@@ -81,10 +82,11 @@ void FixDCMTracer::reset_dt()
 void FixDCMTracer::set_limits()
 {
   if (kept.scale > 0.0 && !(longest <= MOST_EDGES * kept.scale))
-    error->all(FLERR,
-               "{}: with D {}, drift {} and a timestep of {} tracers move up to {:.4g} in a step, more "
-               "than {:.0f} edges of the mesh; reduce D, drift or the timestep",
-               STYLE, D, drift, update->dt, longest, MOST_EDGES);
+    error->all(
+        FLERR,
+        "{}: with D {}, drift {} and a timestep of {} tracers move up to {:.4g} in a step, more "
+        "than {:.0f} edges of the mesh; reduce D, drift or the timestep",
+        STYLE, D, drift, update->dt, longest, MOST_EDGES);
   const double infinite = std::numeric_limits<double>::infinity();
   limited = false;
   const double sight = std::max(walk.near, asked);

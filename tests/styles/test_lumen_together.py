@@ -1,4 +1,5 @@
-"""All styles of the lumen in one deck: polarity, constriction, tracers, osmosis, signaling, division.
+"""All styles of the lumen in one deck: polarity, constriction, tracers, osmosis, signaling,
+division.
 
 A ring of four cells around a hole along z. Cells 1 to 3 are cholangiocytes, cell 4 a hepatoblast
 that the others signal to; it divides, and its daughters are cholangiocytes."""
@@ -36,8 +37,8 @@ def parameters(cycle=CYCLE, later=1e9):
 
 COLUMNS = (
     "id mol type c_p[1] c_p[2] c_p[3] c_p[4] c_p[5] c_p[6] c_p[7] c_c[1] c_c[2] c_c[3] c_c[4] "
-    "c_c[5] c_c[6] c_c[7] c_c[8] c_c[9] c_c[10] c_c[11] c_c[12] c_c[13] c_f[1] c_f[2] c_f[3] c_f[4] c_f[5] "
-    "c_lumen xu yu zu vx vy vz fx fy fz"
+    "c_c[5] c_c[6] c_c[7] c_c[8] c_c[9] c_c[10] c_c[11] c_c[12] c_c[13] "
+    "c_f[1] c_f[2] c_f[3] c_f[4] c_f[5] c_lumen xu yu zu vx vy vz fx fy fz"
 )
 VALUES = (
     [f"osm{k}=f_osm[{k}]" for k in range(1, 10)]
@@ -305,7 +306,6 @@ def test_restart_is_bit_for_bit(lmp, scenes, np_):
     division, while the daughters' vectors stay. Between two looks."""
     together = Together(scenes)
     first, second = RESTARTS
-    names = f"restart {first} r1.* r1b.*\n"
     # both files from one run: it stops at multiples of neither
     deck = together.deck(first, every=1, dump=False, head="processors * 1 1\n" + together.head())
     deck += f"write_restart r.{first}\nrun {second - first}\nwrite_restart r.{second}\n"
@@ -397,7 +397,8 @@ def test_tracers_mark_what_the_flood_does(lmp, scenes, np_):
     for marks, steps in (("flood", 2), ("tracer", 250)):
         deck = (
             together.again(READ) + together.laws() + "comm_modify cutoff 8.5\n"
-            + together.scene.volume() + f"fix tracer all dcm/tracer type {TRACER_TYPE} number 60 D 0.14 seed 5 "
+            + together.scene.volume()
+            + f"fix tracer all dcm/tracer type {TRACER_TYPE} number 60 D 0.14 seed 5 "
             + f"slab z {-SLAB} {SLAB}\n"
             + f"fix osm all dcm/osmosis pressure 0 marks {marks} slab z {-SLAB} {SLAB} every 1\n"
             + "compute f all dcm/face mark area contact_area\n"
