@@ -1,5 +1,6 @@
 """What a hostile deck does to the styles of lumens: one error that names style, value and
-remedy, or a right result; values asked for between runs, times set back, borders of periodic boxes."""
+remedy, or a right result; values asked for between runs, times set back, borders of periodic
+boxes."""
 
 from pathlib import Path
 
