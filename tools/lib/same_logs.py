@@ -26,11 +26,14 @@ TIMEOUT = 600  # s, for one run
 # Settings (-var) that make the shipped decks short; those of this script, in.* in SCENES, are.
 # A deck that is not named here runs as it is.
 SHORT = {
+    "acinus": {"hours": 0.02, "start": 30},
     "bench": {"size": "quick", "warm": 30, "timed": 20},
     "bile_duct": {"size": "quick", "hours": 0.015, "tau": 20},
+    "bile_duct_day": {"rest": 0.02, "hours": 0.03},
     "crowd": {"hours": 0.0225, "cycle": 200, "death": 2e-3, "image": "no"},
     "division": {"level": 2, "steps": 200, "image": "no"},
     "doublet": {"level": 1, "settle": 150, "press": 0.5, "rate": 0.05, "image": "no"},
+    "lumen": {"shut": 100, "start": 50, "hold": 100, "more": 50, "movie": "no"},
     "migration": {"duration": 150, "persistence": 40, "image": "no"},
     "monolayer": {"hours": 0.05, "cycle": 700, "movie": "no"},
     "single": {"hold": 10, "image": "no"},
