@@ -153,8 +153,10 @@ TEST(Flood, AStripOfContactNarrowerThanAFacePartsTwoLumens)
     std::map<int, int> set;
     const Faces faces = plates(gap);
     EXPECT_EQ(sets_of(faces, {1.2, 0.05, 0.45}, &set), 2) << gap;
-    for (const auto &face : faces)
-      if (face.node) EXPECT_EQ(set[(int) face.tag], face.mid[0] < 4.0 ? 0 : 1);
+    for (const auto &face : faces) {
+      if (!face.node) continue;
+      EXPECT_EQ(set[(int) face.tag], face.mid[0] < 4.0 ? 0 : 1);
+    }
   }
   // adhering cells leave a slit: distance and sight alone would lead through it
   EXPECT_EQ(sets_of(plates(0.4), {1.2, 0.05, 0.0}), 1);
