@@ -45,13 +45,13 @@ static constexpr double FOREVER = std::numeric_limits<double>::infinity();
 /* ----------------------------------------------------------------------
    fix ID group dcm/osmosis [pressure P|v_name [dilute V]] [solute rate R kT E [loss T] [least V]]
        marks flood|tracer [secrete GROUP] [free theta] [range r] [weight free|full] [memory yes|no]
-       [basal yes|no] [slab x|y|z lo hi] [starter x y z r T | apical T] [ramp T] [every N]
+       [slab x|y|z lo hi] [starter x y z r T | apical T] [ramp T] [every N]
 ------------------------------------------------------------------------- */
 
 FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), pressure(0.0), dilute(0.0), rate(0.0), kT(0.0), loss(FOREVER), least(1.0),
-    solute(false), tracers(false), memory_kept(false), weigh_free(true), spare_basal(false),
-    theta(0.05), range(0.0), secrete_bit(groupbit), axis(-1), lo(0.0), hi(0.0), ramp(0.0),
+    solute(false), tracers(false), memory_kept(false), weigh_free(true), theta(0.05), range(0.0),
+    secrete_bit(groupbit), axis(-1), lo(0.0), hi(0.0), ramp(0.0),
     starter(NO_STARTER), point{0.0, 0.0, 0.0}, radius(0.0), starting(0.0), now(), cell(nullptr),
     contact(nullptr), graph(lmp, STYLE), tracer(nullptr), mark(nullptr), whole(nullptr),
     acting(0.0), worked(0.0), measured(false), wall(0.0), net(0.0)
@@ -61,7 +61,7 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
 
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
                {"pressure", "dilute", "solute", "marks", "secrete", "free", "range", "weight",
-                "memory", "basal", "slab", "starter", "ramp", "every"});
+                "memory", "slab", "starter", "ramp", "every"});
   bool has_pressure = false, has_marks = false;
   while (args.next()) {
     if (args.is("pressure")) {
@@ -99,8 +99,6 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
       weigh_free = args.choose({"free", "full"}) == 0;
     } else if (args.is("memory")) {
       memory_kept = args.choose({"no", "yes"}) == 1;
-    } else if (args.is("basal")) {
-      spare_basal = args.choose({"yes", "no"}) == 1;
     } else if (args.is("slab")) {
       args.need(3);
       axis = args.axis();

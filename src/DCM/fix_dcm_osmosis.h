@@ -72,7 +72,7 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   double dilute;                   // volume above which the pressure falls, 0: never
   double rate, kT, loss, least;    // of solute; least: volume that counts at least
   bool solute;
-  bool tracers, memory_kept, weigh_free, spare_basal;
+  bool tracers, memory_kept, weigh_free;
   double theta, range;
   std::string secretes;     // group, empty: that of the fix
   int secrete_bit, axis;    // axis: of the slab, -1: none

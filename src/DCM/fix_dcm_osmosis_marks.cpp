@@ -150,9 +150,7 @@ void FixDCMOsmosis::find_states()
     const int i = face.atom;
     const double part = cell->area(f) > 0.0 ? area[i] / cell->area(f) : 1.0;
     const double *const x = atom->x[i];
-    // a basal side lies at the tissue around, whatever gap opens for a while
-    const bool spared = spare_basal && dcm->region[i] == AtomVecDCM::BASAL;
-    const bool inside = acts_on(face.cell) && in_slab(x) && !spared;
+    const bool inside = acts_on(face.cell) && in_slab(x);
     const bool at_point = inside && near_starter(x);
     whole[i] = inside && (at_point || started_across(f));
     if (inside && (whole[i] || dcm::may_be_marked(part, theta, mark[i] != 0))) {
