@@ -91,6 +91,7 @@ def test_conversion(lmp, scenes, death, np_):
     scene = scenes.doublet(level=1, gap=0.3)
     deck = Deck(lmp, scenes, scene, toward_origin)
     convert = (
+        "neighbor 0.8 multi\n"
         "variable form atom (mol==1)+(mol==2)*(1-2*(step>=10)*(step<20))\n"
         "fix convert all dcm/convert dcm 1 2 3 1 1 cbm 4 variable v_form every 10 "
         "mesh icosphere 1 rest 0.95\n"
@@ -199,7 +200,7 @@ def distance(x, corners):
 
 
 @pytest.mark.parametrize("np_", [1, 2, 4])
-@pytest.mark.parametrize("range_", [0.4, 4.0])
+@pytest.mark.parametrize("range_", [1.2, 4.0])
 def test_marks_by_tracers(lmp, scenes, np_, range_):
     """A ring of four cells around tracers: the free faces that one of them is near to and in front
     of are marked, all of them and no others; by distances computed here."""
