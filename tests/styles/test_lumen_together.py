@@ -20,7 +20,7 @@ CYCLE = 58  # s, of the hepatoblast, which divides then; at no look of polarity 
 SLAB = 1.6
 
 FILE = "together.dcm"
-NAMES = "hepatoblast " * 3 + "NULL NULL" + " cholangiocyte" * 3
+NAMES = "hepatoblast hepatoblast hepatoblast NULL NULL" + " cholangiocyte" * 3
 
 
 def parameters(cycle=CYCLE, later=1e9):
@@ -37,8 +37,8 @@ def parameters(cycle=CYCLE, later=1e9):
 
 COLUMNS = (
     "id mol type c_p[1] c_p[2] c_p[3] c_p[4] c_p[5] c_p[6] c_p[7] c_c[1] c_c[2] c_c[3] c_c[4] "
-    "c_c[5] c_c[6] c_c[7] c_c[8] c_c[9] c_c[10] c_c[11] c_c[12] c_c[13] c_f[1] c_f[2] c_f[3] c_f[4] c_f[5] "
-    "c_lumen xu yu zu vx vy vz fx fy fz"
+    "c_c[5] c_c[6] c_c[7] c_c[8] c_c[9] c_c[10] c_c[11] c_c[12] c_c[13] "
+    "c_f[1] c_f[2] c_f[3] c_f[4] c_f[5] c_lumen xu yu zu vx vy vz fx fy fz"
 )
 VALUES = (
     [f"osm{k}=f_osm[{k}]" for k in range(1, 10)]
