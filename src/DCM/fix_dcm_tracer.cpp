@@ -139,6 +139,8 @@ void FixDCMTracer::init()
     check_after(lmp, this, STYLE, style);
   if (domain->triclinic) error->all(FLERR, "{} needs an orthogonal box", STYLE);
   // with cutoffs per type a rank may know fewer faces than the ghost cutoff says
+  if (comm->style != Comm::BRICK)
+    error->all(FLERR, "{} needs 'comm_style brick'; comm_style tiled is not supported", STYLE);
   if (comm->mode != Comm::SINGLE) error->all(FLERR, "{} needs 'comm_modify mode single'", STYLE);
 
   // a daughter of a secreting cell shares her mother's tracers, or gets her own as well

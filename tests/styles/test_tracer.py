@@ -215,7 +215,6 @@ def test_dividing_tissue(lmp, scenes, np_):
     (GOOD + "x 1", "Fix dcm/tracer: unknown keyword x"),
     (GOOD + "slab z 2 1", "Fix dcm/tracer: slab is .*1.*above its low end, 2"),
     (GOOD + "slab z 100 200", "slab z 100 200 lies outside the box"),
-    (GOOD + "slab y 8 10", "cell 1 of group all has no room for tracers in slab y 8 10"),
     (GOOD + "slits x", "slits must be shut or open"),
     (GOOD + "far 3 x", "must be delete or reflect"),
     (GOOD + "death x", "death must be delete or release"),
