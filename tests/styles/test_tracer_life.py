@@ -157,7 +157,7 @@ def test_periodic_ranks_agree(lmp, scenes):
 
 
 def test_tiled_ranks(lmp, scenes):
-    """Ghosts of tiles cannot be kept to a group in all cases."""
+    """LAMMPS cannot tell the owner of a new tracer on tiles."""
     scene = scenes.doublet(level=1, gap=0.3)
     deck = Deck(lmp, scenes, scene, toward_origin)
     tiles = "comm_style tiled\n"

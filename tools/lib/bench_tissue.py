@@ -108,7 +108,7 @@ def main():
         wrong = leaks(options, Path(name)) if options.steps else 0
         if options.timed:
             cost(options, Path(name))
-    sys.exit(wrong > 0)
+    sys.exit(1 if wrong else 0)
 
 
 main()
