@@ -1,10 +1,10 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// law/tracer.h and law/voxels.h against closed forms: diffusion, uniform density, narrow escape,
+// law/tracer.h against closed forms: diffusion, uniform density, narrow escape,
 // shares of volume; and no leaks, judged by the solid angle, which the code under test does not
 // use. DCM_TRACER_REPEAT=N takes N times the tracers' steps (tools/bench tracer).
 
-#include "helpers.h"
+#include "moving_cells.h"
 #include "law/mesh.h"
 #include "law/random.h"
 #include "law/tracer.h"
@@ -20,17 +20,9 @@
 #include <functional>
 #include <vector>
 
-using dcm::PI;
-using dcm::Random;
-using dcm::RandomPurpose;
-using dcm::Tracer;
-using dcm::TracerFace;
-using dcm::Vec3;
-using dcm::Voxels;
+using namespace dcm_test;
 
 namespace {
-
-constexpr double R = 6.0;
 
 double repeat()
 {
@@ -45,159 +37,7 @@ double cpu_seconds()
   return double(t.tv_sec) + 1.0e-9 * double(t.tv_nsec);
 }
 
-// Cells made of icospheres turned at random (no face lies along an axis), whose shape is a function
-// of the direction from the center and of time. Cell IDs from 1.
-
-struct Scene {
-  using Faces = std::vector<TracerFace>;
-  using Shape = std::function<Vec3(int cell, const Vec3 &u, double t)>;
-
-  Faces faces;
-  std::vector<std::array<int, 3>> corners;
-  std::vector<Vec3> direction, node;
-  std::vector<int> cell_of_node, first_face;
-  Shape shape;
-  double edge = 0.0;
-
-  Scene(int ncells, int level, std::uint64_t seed, Shape _shape) : shape(std::move(_shape))
-  {
-    const auto mesh = dcm::icosphere(level);
-    for (int c = 0; c < ncells; c++) {
-      Random random(seed, c, 0);
-      const dcm::Mat3 turn = dcm_test::random_rotation(random);
-      const int offset = int(direction.size());
-      for (const Vec3 &x : mesh.nodes) {
-        direction.push_back(turn * x);
-        cell_of_node.push_back(c);
-      }
-      first_face.push_back(int(faces.size()));
-      for (const auto &f : mesh.faces) {
-        TracerFace face;
-        face.cell = c + 1;
-        face.tag = std::int64_t(faces.size()) + 1;
-        face.known = true;
-        faces.push_back(face);
-        corners.push_back({offset + f[0], offset + f[1], offset + f[2]});
-      }
-    }
-    first_face.push_back(int(faces.size()));
-    node.assign(direction.size(), Vec3::Zero());
-    place(0.0);
-    for (const auto &f : faces) edge += (f.corner[1] - f.corner[0]).norm() / double(faces.size());
-  }
-
-  // returns the largest displacement of a node
-  double place(double t)
-  {
-    double most = 0.0;
-    for (size_t i = 0; i < node.size(); i++) {
-      const Vec3 y = shape(cell_of_node[i], direction[i], t);
-      most = std::max(most, (y - node[i]).norm());
-      node[i] = y;
-    }
-    for (size_t f = 0; f < faces.size(); f++) {
-      for (int k = 0; k < 3; k++) faces[f].corner[k] = node[corners[f][k]];
-      faces[f].measure();
-    }
-    return most;
-  }
-
-  double winding(int cell, const Vec3 &x) const
-  {
-    double sum = 0.0;
-    for (int f = first_face[cell - 1]; f < first_face[cell]; f++)
-      sum += dcm::face_winding(x, faces[f].corner[0], faces[f].corner[1], faces[f].corner[2]);
-    return sum;
-  }
-
-  // a tracer at home, or outside all cells
-  bool wrong(const Tracer &t) const
-  {
-    if (t.home != Tracer::OUTSIDE) return winding(int(t.home), t.x) < 0.5;
-    for (int c = 1; c < int(first_face.size()); c++)
-      if (winding(c, t.x) > 0.5) return true;
-    return false;
-  }
-
-  // radial coordinate: 1 on the surface of a star-shaped cell of planar faces around the origin
-  double lambda(const Vec3 &x) const
-  {
-    double most = 0.0;
-    for (const auto &f : faces) most = std::max(most, x.dot(f.normal) / f.mid.dot(f.normal));
-    return most;
-  }
-};
-
-using Walk = dcm::TracerWalk<Scene::Faces>;
-
-Vec3 round_cell(int, const Vec3 &u, double)
-{
-  return R * u;
-}
-
-double bumps(int c, const Vec3 &u, double t, double height, double rate)
-{
-  return height * (std::sin(5.0 * u[0] + 3.0 * u[1] + rate * t + c) *
-                       std::cos(4.0 * u[2] - 2.0 * u[0] + 0.7 * rate * t) +
-                   0.6 * std::sin(7.0 * u[1] - 3.0 * u[2] + 1.3 * rate * t + 2.0 * c));
-}
-
-Vec3 step(int tag, std::int64_t n, double rms)
-{
-  Random random(1, tag, n, RandomPurpose::TRACER);
-  return rms / std::sqrt(3.0) * random.gaussian_vector();
-}
-
-std::vector<Tracer> filled(int number)
-{
-  std::vector<Tracer> tracers(number);
-  Random random(9, 1, 1);
-  for (Tracer &t : tracers) {
-    t.x = 0.93 * R * std::cbrt(random.uniform()) * random.unit_vector();
-    t.home = 1;
-  }
-  return tracers;
-}
-
 }    // namespace
-
-// Every face within the range of a point is in the list of its voxel, whatever the voxel's edge.
-TEST(Voxels, ListsHoldAllFacesInRange)
-{
-  Scene scene(2, 2, 3, [](int c, const Vec3 &u, double) {
-    return Vec3(R * u + Vec3(10.0 * c, 1.0, -2.0));
-  });
-  Random random(4, 0, 0);
-  for (const double voxel : {0.4, 1.1, 5.0}) {
-    Voxels voxels;
-    voxels.build(scene.faces, voxel, 0.9);
-    for (int n = 0; n < 2000; n++) {
-      const Vec3 x(-8.0 + 26.0 * random.uniform(), -7.0 + 16.0 * random.uniform(),
-                   -10.0 + 16.0 * random.uniform());
-      const auto list = voxels.at(x);
-      for (int f = 0; f < int(scene.faces.size()); f++)
-        if ((x - scene.faces[f].nearest(x)).norm() <= 0.9) {
-          ASSERT_TRUE(std::binary_search(list.begin(), list.end(), f));
-        }
-    }
-  }
-  Scene::Faces none;
-  Voxels voxels;
-  voxels.build(none, 1.0, 1.0);
-  EXPECT_TRUE(voxels.at(Vec3(0.0, 0.0, 0.0)).empty());
-}
-
-// Two cells that are a thousand voxels apart do not fill memory with what is between.
-TEST(Voxels, FarApart)
-{
-  Scene scene(2, 1, 3, [](int c, const Vec3 &u, double) {
-    return Vec3(R * u + Vec3::Constant(3.0e3 * c));
-  });
-  Voxels voxels;
-  voxels.build(scene.faces, 0.5, 1.0);
-  EXPECT_LT(voxels.memory_usage(), 1.0e8);
-  EXPECT_FALSE(voxels.at(scene.faces.back().mid).empty());
-}
 
 // Mean square displacement 6 D t within three standard errors.
 TEST(Tracer, FreeDiffusion)
