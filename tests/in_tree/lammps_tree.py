@@ -38,10 +38,15 @@ def flags(build, target):
 
 
 def code_flags():
-    """Flags of the plugin that decide on its code: with them the same numbers must come out."""
+    """Flags of the plugin that decide on its code: with them the same numbers must come out.
+
+    Position-independent code whose symbols are visible has fewer functions inlined, as another
+    library might replace them, and then other products are fused with sums.
+    """
     words = flags(BUILD, "dcmplugin")
     wanted = [w for w in words if w.startswith(("-O", "-m", "-f"))]
-    return ["-DNDEBUG"] + [w for w in wanted if not w.startswith(("-fPIC", "-fvisibility"))]
+    wanted = [w for w in wanted if not w.startswith(("-fPIC", "-fvisibility"))]
+    return ["-DNDEBUG", *wanted, "-fno-semantic-interposition"]
 
 
 def settings():
