@@ -14,6 +14,7 @@
 #include "atom_vec_dcm.h"
 #include "dcm_compat.h"
 #include "law/cortex.h"
+#include "law/stiffness.h"
 #include "dcm_unknowns.h"
 #include "domain.h"
 #include "error.h"
@@ -124,6 +125,24 @@ void BondDCMCortex::add_friction(dcm::FrictionSystem &system, DCMUnknowns &unkno
     if (r == 0.0) continue;
     system.edges.push_back(
         {unknowns(i), unknowns(j), 0.0, coefs[bondlist[n][2]].gamma, {dx / r, dy / r, dz / r}});
+  }
+}
+
+/* ----------------------------------------------------------------------
+   springs, as their forces were last computed
+------------------------------------------------------------------------- */
+
+void BondDCMCortex::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unknowns)
+{
+  double **x = atom->x, **l0 = dcm->l0;
+  int **bondlist = neighbor->bondlist;
+  for (int n = 0; n < neighbor->nbondlist; n++) {
+    const int i = bondlist[n][0], j = bondlist[n][1];
+    dcm::EdgeBlock block = dcm::cortex_stiffness_block(coefs[bondlist[n][2]].ks, l0[i][slots[n]],
+                                                       dcm::vec(x[j]) - dcm::vec(x[i]));
+    block.i = unknowns(i);
+    block.j = unknowns(j);
+    if (block.i != block.j) system.edges.push_back(block);    // else both are fixed
   }
 }
 

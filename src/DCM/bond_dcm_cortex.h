@@ -50,6 +50,7 @@ class BondDCMCortex : public Bond, public DCMRole {
 
   void list_friction(dcm::FrictionSystem &, class DCMUnknowns &) override;
   void add_friction(dcm::FrictionSystem &, class DCMUnknowns &) override;
+  void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
 
  private:
   struct Coef {

@@ -78,7 +78,8 @@ class DCMRole {
 
   virtual void daughters_take(int /*row*/, DCMCellBuilder::Types &, DCMCellBuilder::Masks &) {}
 
-  // ---- stiffness of a linearly implicit step; nobody asks for it yet
+  // ---- stiffness of a linearly implicit step (fix dcm/motion scheme implicit), asked for when the
+  // forces of the step are there: blocks of law/stiffness.h, all positive semidefinite
 
   virtual void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) {}
 

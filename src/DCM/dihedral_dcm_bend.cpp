@@ -12,6 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
+#include "dcm_unknowns.h"
 #include "law/hinge.h"
 #include "error.h"
 #include "force.h"
@@ -19,6 +20,7 @@
 #include "neighbor.h"
 
 #include <algorithm>
+#include <cmath>
 
 using namespace LAMMPS_NS;
 
@@ -99,6 +101,29 @@ void DihedralDCMBend::match_slots()
       rest = dcm::hinge_angle(dcm::vec(x[i[0]]), dcm::vec(x[i[1]]), dcm::vec(x[i[2]]),
                               dcm::vec(x[i[3]]));
   });
+}
+
+/* ----------------------------------------------------------------------
+   hinges, as their forces were last computed
+------------------------------------------------------------------------- */
+
+void DihedralDCMBend::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unknowns)
+{
+  double **x = atom->x, **theta0 = dcm->theta0;
+  int **dihedrallist = neighbor->dihedrallist;
+  for (int n = 0; n < neighbor->ndihedrallist; n++) {
+    const int *const i = dihedrallist[n];
+    const Coef &coef = coefs[i[4]];
+    const double rest = coef.mesh ? theta0[i[1]][slots[n]] : 0.0;
+    const double cosine = rest == 0.0 ? 1.0 : std::cos(rest);
+    const double sine = rest == 0.0 ? 0.0 : std::sin(rest);
+    auto block = dcm::hinge_stiffness(coef.kb, cosine, sine, dcm::vec(x[i[0]]), dcm::vec(x[i[1]]),
+                                      dcm::vec(x[i[2]]), dcm::vec(x[i[3]]));
+    if (block.c == 0.0) continue;
+    int moving = 0;
+    for (int k = 0; k < 4; k++) moving += block.n[k] = unknowns(i[k]);
+    if (moving > 0) system.hinges.push_back(block);
+  }
 }
 
 /* ---------------------------------------------------------------------- */

@@ -18,6 +18,7 @@ DihedralStyle(dcm/bend,DihedralDCMBend);
 #define LMP_DIHEDRAL_DCM_BEND_H
 
 #include "dcm_coefs.h"
+#include "dcm_role.h"
 #include "dcm_slots.h"
 #include "dihedral.h"
 
@@ -31,7 +32,7 @@ namespace LAMMPS_NS {
 // With `rest mesh` each hinge has its own rest angle, the state DCMAtoms::theta0 of its slot, which
 // others may change at any time; one without takes its angle at the first step that sees it.
 
-class DihedralDCMBend : public Dihedral {
+class DihedralDCMBend : public Dihedral, public DCMRole {
  public:
   DihedralDCMBend(class LAMMPS *);
   ~DihedralDCMBend() override;
@@ -42,6 +43,8 @@ class DihedralDCMBend : public Dihedral {
   void read_restart(FILE *) override;
   void write_data(FILE *) override;
   double memory_usage() override;
+
+  void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
 
   double stiffness(int type) const { return coefs[type].kb; }      // energy
   bool rest_angles(int type) const { return coefs[type].mesh; }    // rest mesh: own angles count

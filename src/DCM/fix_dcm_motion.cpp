@@ -38,6 +38,7 @@ static constexpr double KEEP = 2.0;
 /* ----------------------------------------------------------------------
    fix ID group dcm/motion [FILE name1..nameN] [friction_ecm v] [tolerance t] [maxiter n]
                            [precondition block|jacobi|none] [maxmove m] [floor f]
+                           [scheme explicit|implicit]
 ------------------------------------------------------------------------- */
 
 FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
@@ -47,9 +48,10 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   dcm = AtomVecDCM::require(lmp, STYLE);
   maxmove = 0.25;
   least_free = 1e-6;
+  implicit = false;
 
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
-               {"tolerance", "maxiter", "precondition", "maxmove", "floor"});
+               {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme"});
   parameters.parse(args, atom->ntypes);
   while (args.next()) {
     if (parameters.parse_keyword(args)) continue;
@@ -64,6 +66,8 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
       solver.precondition = order[args.choose({"block", "jacobi", "none"})];
     } else if (args.is("maxmove")) {
       maxmove = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("scheme")) {
+      implicit = args.choose({"explicit", "implicit"}) == 1;
     } else {
       least_free = args.number(DCMArgs::NONNEGATIVE);
       args.check(least_free <= 1.0, "0 to 1");
@@ -213,7 +217,11 @@ void FixDCMMotion::solve(double keep)
   assemble();
   const double assembled = platform::walltime();
   const double between = messages.seconds;
-  last = solver.solve(system, rhs.data(), velocity.data(), messages, keep);
+  if (implicit)
+    last = solver.solve(dcm::StepSystem(system, stiffness, update->dt), rhs.data(), velocity.data(),
+                        messages, keep);
+  else
+    last = solver.solve(system, rhs.data(), velocity.data(), messages, keep);
   const double solved = platform::walltime();
   const double after = messages.seconds;
 
@@ -414,7 +422,7 @@ double FixDCMMotion::compute_vector(int n)
 
 double FixDCMMotion::memory_usage()
 {
-  return system.memory_usage() + solver.memory_usage() +
+  return system.memory_usage() + stiffness.memory_usage() + solver.memory_usage() +
          (double) sizeof(double) * (owner.capacity() + rhs.capacity() + velocity.capacity()) +
          (double) sizeof(int) * face_slots.capacity() + unknowns.memory_usage();
 }

@@ -19,6 +19,7 @@ FixStyle(dcm/motion,FixDCMMotion);
 
 #include "law/friction_comm.h"
 #include "law/friction_solver.h"
+#include "law/step_system.h"
 #include "dcm_parameters.h"
 #include "dcm_role.h"
 #include "dcm_unknowns.h"
@@ -28,10 +29,10 @@ FixStyle(dcm/motion,FixDCMMotion);
 
 namespace LAMMPS_NS {
 
-// Overdamped motion: once a step, solve Gamma v = F for all nodes and spheres of the group, then
-// x += dt v. Gamma is the sum of ECM friction and of what the styles of the deck contribute
-// (DCMRole), cortex dashpots and contact friction among them. Nodes and spheres outside the group
-// are fixed. Doc page fix_dcm_motion.
+// Overdamped motion: once a step, solve Gamma v = F (scheme explicit) or (Gamma + dt K) v = F (scheme
+// implicit) for all nodes and spheres of the group, then x += dt v. Gamma is the sum of ECM friction and of what the styles of the deck contribute
+// (DCMRole), cortex dashpots and contact friction among them, and so is the stiffness K. Nodes and
+// spheres outside the group are fixed. Doc page fix_dcm_motion.
 
 class FixDCMMotion : public Fix, public DCMRole {
  public:
@@ -58,8 +59,10 @@ class FixDCMMotion : public Fix, public DCMRole {
 
   std::vector<double> friction;    // per atom type: ECM friction per area
   double maxmove, least_free;
+  bool implicit;
 
   dcm::FrictionSystem system;
+  dcm::StiffnessSystem stiffness;    // scheme implicit only
   dcm::FrictionComm messages;
   DCMUnknowns unknowns;
   dcm::FrictionSolver<dcm::FrictionComm> solver;

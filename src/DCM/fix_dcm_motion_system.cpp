@@ -68,6 +68,10 @@ void FixDCMMotion::assemble()
   system.edges.clear();
   system.contacts.clear();
   for (auto *const role : roles) role->add_friction(system, unknowns);
+  if (implicit) {
+    stiffness.clear();
+    for (auto *const role : roles) role->add_stiffness(stiffness, unknowns);
+  }
   unknowns.send_requests();
   add_ecm();
   system.merge();

@@ -14,7 +14,9 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_compat.h"
+#include "dcm_unknowns.h"
 #include "law/curvature.h"
+#include "law/stiffness.h"
 #include "law/volume.h"
 #include "domain.h"
 #include "error.h"
@@ -55,7 +57,7 @@ FixDCMVolume::FixDCMVolume(LAMMPS *lmp, int narg, char **arg) :
   energy_global_flag = 1;
   virial_global_flag = virial_peratom_flag = 1;
   thermo_energy = thermo_virial = 1;
-  if (voronoi) comm_reverse = NSUM;
+  comm_reverse = voronoi ? NSUM : 3;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -211,6 +213,7 @@ void FixDCMVolume::voronoi_forces()
   double **x = atom->x;
   double **f = atom->f;
 
+  width = NSUM;
   node.assign((size_t) NSUM * (atom->nlocal + atom->nghost), 0.0);
   for (int n = 0; n < cell->nowned(); n++) {
     const FixDCMCell::Face &face = cell->faces()[n];
@@ -249,15 +252,69 @@ void FixDCMVolume::voronoi_forces()
 
 int FixDCMVolume::pack_reverse_comm(int n, int first, double *buf)
 {
-  const double *const from = &node[(size_t) NSUM * first];
-  std::copy(from, from + (size_t) NSUM * n, buf);
-  return NSUM * n;
+  const double *const from = &node[(size_t) width * first];
+  std::copy(from, from + (size_t) width * n, buf);
+  return width * n;
 }
 
 void FixDCMVolume::unpack_reverse_comm(int n, int *list, double *buf)
 {
   for (int i = 0, m = 0; i < n; i++)
-    for (int k = 0; k < NSUM; k++) node[(size_t) NSUM * list[i] + k] += buf[m++];
+    for (int k = 0; k < width; k++) node[(size_t) width * list[i] + k] += buf[m++];
+}
+
+/* ----------------------------------------------------------------------
+   K_V/V G G^T of each cell, G = dV/dr: of the gradient form of the force; the other form
+   differs from it by O(edge^2)
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unknowns)
+{
+  double **x = atom->x;
+  width = 3;
+  node.assign((size_t) width * (atom->nlocal + atom->nghost), 0.0);
+  for (int n = 0; n < cell->nowned(); n++) {
+    const FixDCMCell::Face &face = cell->faces()[n];
+    if (face.cell < 0) continue;
+    const int *v = face.v;
+    const dcm::Vec3 third =
+        dcm::face_pressure_force(1.0, dcm::vec(x[v[0]]), dcm::vec(x[v[1]]), dcm::vec(x[v[2]]));
+    for (int k = 0; k < 3; k++) dcm::vec(&node[(size_t) width * v[k]]) += third;
+  }
+  comm->reverse_comm(this, width);
+
+  // the nodes of one cell next to each other, by a counting sort over the rows of the table
+
+  const DCMAtoms *const dcm = AtomVecDCM::require(lmp, STYLE);
+  const auto &table = cell->cells();
+  auto &begin = first_node;
+  begin.assign((size_t) table.size() + 1, 0);
+  const int nowned = unknowns.nowned();
+  const auto row_of = [&](int s) {
+    const int i = unknowns.atom_of(s);
+    const int row = dcm->kind[i] == AtomVecDCM::NODE ? cell->cell_of(i) : -1;
+    return row >= 0 && acts_on(table[row]) ? row : -1;
+  };
+  for (int s = 1; s <= nowned; s++) {
+    const int row = row_of(s);
+    if (row >= 0) begin[row + 1]++;
+  }
+  for (size_t row = 0; row + 1 < begin.size(); row++) begin[row + 1] += begin[row];
+  const size_t base = system.nodes.size();
+  for (const int c : table.all_deformable()) {
+    const auto &it = table[c];
+    if (!acts_on(it)) continue;
+    system.cells.push_back({base + begin[c], base + begin[c + 1],
+                            dcm::pressure_stiffness(K_V[it.type], it.volume)});
+  }
+  system.nodes.resize(base + begin.back());
+  for (int s = 1; s <= nowned; s++) {
+    const int row = row_of(s);
+    if (row < 0) continue;
+    auto &it = system.nodes[base + begin[row]++];
+    it.n = s;
+    dcm::vec(it.g) = dcm::vec(&node[(size_t) width * unknowns.atom_of(s)]);
+  }
 }
 
 /* ----------------------------------------------------------------------
@@ -282,5 +339,6 @@ double FixDCMVolume::compute_vector(int i)
 
 double FixDCMVolume::memory_usage()
 {
-  return (double) (pressure.capacity() + node.capacity()) * sizeof(double);
+  return (double) (pressure.capacity() + node.capacity()) * sizeof(double) +
+         (double) first_node.capacity() * sizeof(size_t);
 }

@@ -43,6 +43,7 @@ class FixDCMVolume : public Fix, public DCMRole {
   double memory_usage() override;
 
   unsigned traits() const override { return GIVES_PRESSURE; }
+  void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
 
   // bulk modulus of a cell, 0: not acted on
   double bulk_modulus(const DCMCellTable::Cell &it) const
@@ -58,7 +59,9 @@ class FixDCMVolume : public Fix, public DCMRole {
   bool voronoi;                    // the source's form of the force instead of the gradient
   std::vector<double> pressure;    // per cell, 0 for cells not acted on
   double energy, mean, lowest, highest;
-  std::vector<double> node;    // voronoi only, per atom: area, curvature vector, normal
+  std::vector<double> node;    // sums per atom. voronoi: area, curvature vector, normal
+  int width = 0;               // numbers per atom
+  std::vector<size_t> first_node;    // of the nodes of a cell in a stiffness system
 
   void read_moduli();
   bool acts_on(const DCMCellTable::Cell &) const;

@@ -93,6 +93,11 @@ class FrictionSystem {
     return sum[0] + sum[1] + sum[2] + along;
   }
 
+  template <class Communicator> double apply(const double *p, double *y, Communicator &) const
+  {
+    return apply(p, y);
+  }
+
   // diagonal 3x3 blocks of A, 6 numbers per slot
 
   void diagonal_blocks(double *d) const

@@ -1,7 +1,8 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// Preconditioned conjugate gradients for the friction system (friction.h), written once for any
-// number of processes. All messages go through a small policy class:
+// Preconditioned conjugate gradients for the friction system (friction.h) or that of a linearly
+// implicit step (step_system.h), written once for any number of processes. All messages go through a
+// small policy class:
 //
 //   struct Communicator {
 //     void forward(double *x);                       // owned slots of a vector -> their copies
@@ -47,12 +48,15 @@ template <class Communicator> class FrictionSolver {
   int maxiter = 500;
   Precondition precondition = Precondition::BLOCK;
 
-  // solve A x = b; system merged; b and x with STRIDE numbers per slot, b for owned slots (slot 0 =
+  // solve A x = b; system: a FrictionSystem (merged) or what has the same nowned, nall, apply(),
+  // isotropic(), diagonal() and diagonal_blocks(); b and x with STRIDE numbers per slot, b for owned
+  // slots (slot 0 =
   // fixed = 0), x has room for all and holds the initial guess; on return also the copies of
   // other processes' unknowns. keep > 0: leave x alone if it solves the system to
   // keep * tolerance (a restart)
 
-  FrictionResult solve(const FrictionSystem &system, const double *b, double *x, Communicator &comm,
+  template <class System>
+  FrictionResult solve(const System &system, const double *b, double *x, Communicator &comm,
                        double keep = 0.0)
   {
     const std::size_t n = STRIDE * ((std::size_t) system.nowned + 1);
@@ -67,7 +71,7 @@ template <class Communicator> class FrictionSolver {
 
     for (int k = 0; k < STRIDE; k++) x[k] = r[k] = 0.0;
     comm.forward(x);
-    system.apply(x, q.data());
+    system.apply(x, q.data(), comm);
     comm.reverse(q.data(), STRIDE, 3);
     double sums[4] = {0.0, 0.0, 0.0, (result.zero_slot >= 0) ? 1.0 : 0.0};
     for (std::size_t i = STRIDE; i < n; i++) {
@@ -98,7 +102,7 @@ template <class Communicator> class FrictionSolver {
 
       advance(n, alpha, beta, x);
       comm.forward(p.data());
-      double pq = system.apply(p.data(), q.data());
+      double pq = system.apply(p.data(), q.data(), comm);
       comm.reverse(q.data(), STRIDE, 3);
       comm.sum(&pq, 1);
       if (!std::isfinite(pq)) return finish(result, FrictionResult::NOT_FINITE, rr);
@@ -132,7 +136,7 @@ template <class Communicator> class FrictionSolver {
 
   // the preconditioner; returns the slot of an unknown without friction, -1 if there is none
 
-  int factor(const FrictionSystem &system, Communicator &comm)
+  template <class System> int factor(const System &system, Communicator &comm)
   {
     double directed = system.isotropic() ? 0.0 : 1.0;
     comm.sum(&directed, 1);

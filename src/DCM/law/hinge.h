@@ -98,18 +98,38 @@ inline Hinge hinge(double kb, double theta0, const Vec3 &x1, const Vec3 &x2, con
 
 /// Stiffness of a hinge, slots to be filled in: c = kb cos(theta - theta0), nN um, and g the
 /// gradient of theta, 1/um; at theta = theta0 that is all of -dF/dx. Zero beyond a right angle from
-/// there, where the hinge gives way, and for a degenerate triangle.
+/// there, where the hinge gives way, and for a degenerate triangle. cosine, sine: of theta0.
+inline RankOne<4> hinge_stiffness(double kb, double cosine, double sine, const Vec3 &x1,
+                                  const Vec3 &x2, const Vec3 &x3, const Vec3 &x4)
+{
+  RankOne<4> b = {};
+  const Vec3 e = x3 - x2, a = x1 - x2, d = x4 - x2;
+  const Vec3 m1 = e.cross(a), m2 = d.cross(e);
+  const double ee = e.squaredNorm(), aa = a.squaredNorm(), dd = d.squaredNorm();
+  const double ae = a.dot(e), de = d.dot(e);
+  const double mm1 = m1.squaredNorm(), mm2 = m2.squaredNorm();
+  const double longest1 = std::max({ee, aa, ee + aa - 2.0 * ae});
+  const double longest2 = std::max({ee, dd, ee + dd - 2.0 * de});
+  constexpr double tiny = HINGE_SLIVER * HINGE_SLIVER;
+  if (mm1 <= tiny * ee * longest1 || mm2 <= tiny * ee * longest2 ||
+      mm1 * mm2 < std::numeric_limits<double>::min())
+    return b;
+
+  const double l = std::sqrt(ee), scale = 1.0 / std::sqrt(mm1 * mm2);
+  b.c = kb * std::max(0.0, scale * (m1.dot(m2) * cosine - l * a.dot(m2) * sine));
+  const double t1 = ae / ee, t4 = de / ee;
+  const Vec3 g1 = (-l / mm1) * m1, g4 = (-l / mm2) * m2;
+  vec(b.g[0]) = g1;
+  vec(b.g[1]) = (t1 - 1.0) * g1 + (t4 - 1.0) * g4;
+  vec(b.g[2]) = -t1 * g1 - t4 * g4;
+  vec(b.g[3]) = g4;
+  return b;
+}
+
 inline RankOne<4> hinge_stiffness(double kb, double theta0, const Vec3 &x1, const Vec3 &x2,
                                   const Vec3 &x3, const Vec3 &x4)
 {
-  // a hinge at a right angle from its rest angle has all its moment: force = -gradient of theta
-  const double theta = hinge_angle(x1, x2, x3, x4);
-  const Hinge h = hinge(1.0, theta - 0.5 * PI, x1, x2, x3, x4);
-  RankOne<4> b = {};
-  b.c = kb * std::max(0.0, std::cos(theta - theta0));
-  const Vec3 *f[4] = {&h.f1, &h.f2, &h.f3, &h.f4};
-  for (int k = 0; k < 4; k++) vec(b.g[k]) = -*f[k];
-  return b;
+  return hinge_stiffness(kb, std::cos(theta0), std::sin(theta0), x1, x2, x3, x4);
 }
 
 }    // namespace dcm

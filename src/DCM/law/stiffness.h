@@ -150,6 +150,16 @@ class StiffnessSystem {
     nodes.clear();
   }
 
+  double memory_usage() const
+  {
+    return (double) sizeof(EdgeBlock) * edges.capacity() +
+           (double) sizeof(ContactBlock) * contacts.capacity() +
+           (double) sizeof(RankOne<4>) * hinges.capacity() +
+           (double) sizeof(CellBlock) * cells.capacity() +
+           (double) sizeof(CellNode) * nodes.capacity() +
+           (double) sizeof(double) * (mine.capacity() + whole.capacity());
+  }
+
   /// y += dt K p of this process' blocks: to be called after FrictionSystem::apply(), with p known
   /// in all slots; slots of other processes are then to be added to their owners. Returns this
   /// process' share of p . dt K p. Collective: one sum over the cells, if there are any.
