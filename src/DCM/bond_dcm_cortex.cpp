@@ -17,6 +17,7 @@
 #include "law/stiffness.h"
 #include "dcm_unknowns.h"
 #include "domain.h"
+#include "fix_dcm_cell.h"
 #include "error.h"
 #include "force.h"
 #include "memory.h"
@@ -143,6 +144,31 @@ void BondDCMCortex::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unk
     block.i = unknowns(i);
     block.j = unknowns(j);
     if (block.i != block.j) system.edges.push_back(block);    // else both are fixed
+  }
+}
+
+/* ----------------------------------------------------------------------
+   the tension that a change of rest lengths takes away
+------------------------------------------------------------------------- */
+
+void BondDCMCortex::add_ahead(const std::vector<RestAhead> &ahead, std::vector<double> &forces,
+                              DCMUnknowns &unknowns)
+{
+  const FixDCMCell *const cell = FixDCMCell::require(lmp, STYLE);
+  double **x = atom->x, **l0 = dcm->l0;
+  int **bondlist = neighbor->bondlist;
+  for (int n = 0; n < neighbor->nbondlist; n++) {
+    const int i = bondlist[n][0], j = bondlist[n][1];
+    const int row = cell->cell_of(i);
+    if (row < 0) continue;
+    const double more = ahead[row].lengths() - 1.0;
+    if (more == 0.0) continue;
+    const dcm::Vec3 rij = dcm::vec(x[j]) - dcm::vec(x[i]);
+    const double l = rij.norm();
+    if (l == 0.0) continue;
+    const dcm::Vec3 fj = (coefs[bondlist[n][2]].ks * l0[i][slots[n]] * more / l) * rij;
+    dcm::vec(&forces[dcm::STRIDE * (size_t) unknowns(i)]) -= fj;
+    dcm::vec(&forces[dcm::STRIDE * (size_t) unknowns(j)]) += fj;
   }
 }
 

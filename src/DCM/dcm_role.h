@@ -14,6 +14,8 @@
 #include "dcm_cell_builder.h"
 #include "dcm_cell_table.h"
 
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -38,7 +40,8 @@ class DCMRole {
     GROWS_SPHERES = 4U,     // radii of spheres grow in a run, or larger spheres come
     MAKES_CELLS = 8U,       // cells appear in a run or change their kind: empty types may fill
     MAKES_READY = 16U,      // brings cells to phase READY, to divide
-    HAS_TRACERS = 32U       // touch_faces() tells what tracers are near to
+    HAS_TRACERS = 32U,      // touch_faces() tells what tracers are near to
+    FIXED_STEP = 64U        // its scheme in time needs steps of one length
   };
 
   virtual unsigned traits() const { return 0U; }
@@ -82,6 +85,31 @@ class DCMRole {
   // forces of the step are there: blocks of law/stiffness.h, all positive semidefinite
 
   virtual void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) {}
+
+  // factors on the rest state of a cell from now, when the forces are known, to the end of the step
+  // that begins: on its rest volume and, beyond what follows from that, on its rest lengths
+
+  struct RestAhead {
+    double volume0 = 1.0, length = 1.0;
+    double lengths() const { return std::cbrt(volume0) * length; }    // all in all
+  };
+
+  // tell, for a step of length dt: multiply the factors of rows of the table (the same on all
+  // processes); true if any is not 1
+
+  virtual bool rest_ahead(double /*dt*/, std::vector<RestAhead> &) { return false; }
+
+  // add what that changes of the forces: per slot, STRIDE numbers, after add_stiffness()
+
+  virtual void add_ahead(const std::vector<RestAhead> &, std::vector<double> & /*forces*/,
+                         class DCMUnknowns &)
+  {
+  }
+
+  // ---- longest step that may begin now: as far as the next event that a step should end at (a cell
+  // gets ready, a ramp ends), or what the style's own scheme in time stands; the same on all processes
+
+  virtual double longest_step() { return std::numeric_limits<double>::infinity(); }
 
   // all styles of the deck with a role: bond, dihedral and pair styles (those of hybrid styles as
   // well), then fixes in the order of the deck

@@ -268,6 +268,15 @@ void FixDCMConfine::initial_integrate(int /*vflag*/)
 }
 
 /* ----------------------------------------------------------------------
+   the controller is explicit: it needs steps well below its time constant
+------------------------------------------------------------------------- */
+
+double FixDCMConfine::longest_step()
+{
+  return target > 0.0 && !hold && tau > 0.0 ? tau / MIN_STEPS : DCMRole::longest_step();
+}
+
+/* ----------------------------------------------------------------------
    force on a cell at x
 ------------------------------------------------------------------------- */
 

@@ -45,6 +45,7 @@ class FixDCMConfine : public Fix, public DCMRole {
   void restart(char *) override;
   double compute_scalar() override;
   double compute_vector(int) override;
+  double longest_step() override;
   int modify_param(int, char **) override;
   double memory_usage() override;
 

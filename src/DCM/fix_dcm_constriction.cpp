@@ -239,6 +239,18 @@ bool FixDCMConstriction::advance()
   return any;
 }
 
+/* ----------------------------------------------------------------------
+   a tenth of the ramp while any cell is on it
+------------------------------------------------------------------------- */
+
+double FixDCMConstriction::longest_step()
+{
+  if (ramp > 0.0)
+    for (const int row : cell->cells().all_deformable())
+      if ((*since)(row) >= 0.0 && (*share)(row) > 0.0 && (*share)(row) < 1.0) return 0.1 * ramp;
+  return DCMRole::longest_step();
+}
+
 void FixDCMConstriction::write_lengths()
 {
   for (int i = 0; i < atom->nlocal; i++) {

@@ -42,6 +42,7 @@ class FixDCMConstriction : public Fix, public DCMRole {
   double compute_vector(int) override;
   double memory_usage() override;
 
+  double longest_step() override;
   void cell_converted(int, double) override;
 
   // what is kept per bond slot

@@ -31,7 +31,7 @@ using namespace LAMMPS_NS;
 using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/death";
-static constexpr int RECORD = 1;    // version of the restart record
+static constexpr int RECORD = 2;    // version of the restart record
 static const char HEADER[] = "# LAMMPS-DCM death log; units um nN s\n"
                              "# step time cell kind reason volume\n";
 
@@ -46,7 +46,7 @@ static constexpr double LEAST = 0.05 + 1.0e-9;
 
 FixDCMDeath::FixDCMDeath(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cell(nullptr), rest(lmp), region(nullptr), age(-1.0), rate(-1.0),
-    shrink(0.0), always(false), seed(0), log(lmp, STYLE, HEADER), removed(0)
+    shrink(0.0), always(false), seed(0), log(lmp, STYLE, HEADER), removed(0), since(-1.0)
 {
   AtomVecDCM::require(lmp, STYLE);
   nevery = 1;
@@ -138,7 +138,7 @@ std::vector<tagint> FixDCMDeath::condemned()
     if (age >= 0.0 && table.time() - it.birth < age) return;
     if (rate > 0.0 &&
         dcm::Random(seed, it.molecule, update->ntimestep, dcm::RandomPurpose::DEATH).uniform() >
-            rate * update->dt * nevery)
+            rate * since)
       return;
     molecules.push_back(it.molecule);
   };
@@ -189,6 +189,7 @@ void FixDCMDeath::initial_integrate(int /*vflag*/)
 {
   auto &table = cell->change_cells();
   gone.clear();
+  if (since >= 0.0) since += update->dt;
   if (!shrinking.empty()) shrink_all();
   for (auto it = shrinking.begin(); it != shrinking.end();) {
     const int row = table.find(it->first);
@@ -198,6 +199,7 @@ void FixDCMDeath::initial_integrate(int /*vflag*/)
     it = over || row < 0 ? shrinking.erase(it) : std::next(it);
   }
   if (update->ntimestep % nevery == 0) {
+    if (since < 0.0) since = nevery * update->dt;
     for (const tagint molecule : condemned()) {
       const int row = table.find(molecule);
       table.set_phase(row, DCMCellTable::DYING);    // no one else is to act on it
@@ -206,6 +208,7 @@ void FixDCMDeath::initial_integrate(int /*vflag*/)
       else
         gone.push_back(molecule);
     }
+    since = 0.0;
   }
   std::sort(gone.begin(), gone.end());
   if (!gone.empty()) next_reneighbor = update->ntimestep;
@@ -266,6 +269,7 @@ void FixDCMDeath::write_restart(FILE *fp)
   record.put(removed);
   record.put(molecules);
   record.put(states);
+  record.put(since);
   record.write(fp);
 }
 
@@ -278,9 +282,33 @@ void FixDCMDeath::restart(char *buf)
   record.get(removed);
   record.get(molecules);
   record.get(states);
+  record.get(since);
   shrinking.clear();
   for (size_t n = 0; n < molecules.size(); n++) shrinking[molecules[n]] = states[n];
   log.go_on();
+}
+
+/* ----------------------------------------------------------------------
+   the rest volume that is left at the end of a step; a cell is gone with the step that ends then
+------------------------------------------------------------------------- */
+
+bool FixDCMDeath::rest_ahead(double dt, std::vector<RestAhead> &ahead)
+{
+  for (const auto &it : shrinking) {
+    const int row = cell->cells().find(it.first);
+    if (row < 0) continue;
+    const double left = it.second.left;
+    ahead[row].volume0 *= std::max(LEAST, left > dt ? (left - dt) / left : 0.0);
+  }
+  return !shrinking.empty();
+}
+
+double FixDCMDeath::longest_step()
+{
+  double first = DCMRole::longest_step();
+  for (const auto &it : shrinking)
+    if (it.second.left > 0.0) first = std::min(first, it.second.left);
+  return first;
 }
 
 /* ----------------------------------------------------------------------

@@ -47,6 +47,8 @@ class FixDCMDeath : public Fix, public DCMRole {
   double compute_scalar() override;
 
   void cell_converted(int, double) override;
+  bool rest_ahead(double, std::vector<RestAhead> &) override;
+  double longest_step() override;
 
  private:
   struct Shrinking {
@@ -65,6 +67,7 @@ class FixDCMDeath : public Fix, public DCMRole {
   std::uint64_t seed;
   DCMLog log;
   bigint removed;
+  double since;    // time since the last look, < 0: none yet
   std::vector<tagint> gone;                 // to take away in this step
   std::map<tagint, Shrinking> shrinking;    // cells that this fix made shrink
 

@@ -269,7 +269,8 @@ Vec3 FixDCMDivision::axis_of(const DCMCellSurgery::Cell &mother)
     const Vec3 P(table.value("px", row), table.value("py", row), table.value("pz", row));
     if (P.norm() > 0.5) return P.normalized();    // else it has none yet
   }
-  return dcm::Random(seed, mother.molecule, update->ntimestep, dcm::RandomPurpose::DIVISION)
+  const int generation = cell->cells()[cell->cells().find(mother.molecule)].generation;
+  return dcm::Random(seed, mother.molecule, generation, dcm::RandomPurpose::DIVISION)
       .unit_vector();
 }
 

@@ -38,10 +38,6 @@ static const char STYLE[] = "Fix dcm/growth";
 
 static constexpr double DONE = 1.0 - 1.0e-9;
 
-// `until volume`: the rest volume goes no further than this times that at birth
-
-static constexpr double MOST_GROWTH = 2.5;
-
 static constexpr int RECORD = 1;    // version of the restart record
 
 // names of the numbers of a Cycle, as compute dcm/cell prints them
@@ -280,30 +276,27 @@ void FixDCMGrowth::advance(int row)
   const auto &it = table[row];
   if (it.phase == DCMCellTable::QUIESCENT || it.phase == DCMCellTable::DYING) return;
   Cycle mine = cycles->load<Cycle>(row);
-  const double growth = 1.0 - rounding, dt = update->dt, length_before = mine.length;
+  const double growth = 1.0 - rounding, length_before = mine.length;
   double volume0 = it.volume0;
 
   if (it.phase == DCMCellTable::GROWING) {
-    const double rate = half > 0.0 ? dcm::hill_rate(strain(row), half, exponent) : 1.0;
-    const double most = growth * (until_volume ? dcm::growth_progress(law, MOST_GROWTH) : 1.0);
-    mine.progress += rate * dt / mine.duration;
-    volume0 = mine.born * dcm::growth_factor(law, std::min(mine.progress, most) / growth);
+    mine.progress += rate(row) * update->dt / mine.duration;
+    volume0 = volume_at(mine, mine.progress);
     bool done = mine.progress >= growth * DONE;
     if (until_volume) {
       // cells that were there from the start: the volume they had at birth, by their law
       const double volume = it.deformable ? it.volume : volume0;
       if (mine.newborn == 0.0) mine.newborn = volume * mine.born / it.volume0;
       done = volume >= 2.0 * mine.newborn * DONE;
-      mine.progress = done ? growth : std::min(mine.progress, most);
+      mine.progress = done ? growth : std::min(mine.progress, growth * most());
     }
     if (done) {
       table.set_phase(row, DCMCellTable::ROUNDING);
       mine.pressure_before = mine.pressure = table.value("pressure", row);
     }
   } else if (it.phase == DCMCellTable::ROUNDING) {
-    mine.progress += dt / mine.duration;
-    const double part = rounding > 0.0 ? (mine.progress - growth) / rounding : 1.0;
-    mine.length = 1.0 - (1.0 - shortening) * std::max(0.0, std::min(1.0, part));
+    mine.progress += update->dt / mine.duration;
+    mine.length = length_at(mine.progress);
   }
   if (it.phase == DCMCellTable::ROUNDING && mine.progress >= DONE)
     table.set_phase(row, DCMCellTable::READY);

@@ -53,6 +53,8 @@ class FixDCMGrowth : public Fix, public DCMRole {
   void cell_removed(int) override;
   void cell_converted(int, double) override;
   void cell_retyped(int, int) override;
+  bool rest_ahead(double, std::vector<RestAhead> &) override;
+  double longest_step() override;
 
  private:
   struct Cycle {        // of one cell, all doubles: the column's numbers, in this order
@@ -92,6 +94,11 @@ class FixDCMGrowth : public Fix, public DCMRole {
   void draw_cycle(int row, Cycle &);
   void hold_fractions();
   void measure_spheres();
+  // over a cycle: growth factor at most, rate of growth now, rest volume and factor on rest lengths
+  double most() const;
+  double rate(int row) const;
+  double volume_at(const Cycle &, double progress) const;
+  double length_at(double progress) const;
   double strain(int row) const;
   void advance(int row);
   template <class Predicate> int count(Predicate &&) const;

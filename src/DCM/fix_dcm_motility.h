@@ -18,6 +18,7 @@ FixStyle(dcm/motility,FixDCMMotility);
 #define LMP_FIX_DCM_MOTILITY_H
 
 #include "dcm_parameters.h"
+#include "dcm_role.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -28,7 +29,7 @@ namespace LAMMPS_NS {
 // Random and biased migration force of cells (S1 "Migration forces"). The random numbers depend on
 // seed, cell and step only, so that neither the number of ranks nor a restart changes a run.
 
-class FixDCMMotility : public Fix {
+class FixDCMMotility : public Fix, public DCMRole {
  public:
   FixDCMMotility(class LAMMPS *, int, char **);
   ~FixDCMMotility() override;
@@ -48,6 +49,8 @@ class FixDCMMotility : public Fix {
   int size_restart(int) override;
   int maxsize_restart() override;
   double memory_usage() override;
+
+  unsigned traits() const override { return FIXED_STEP; }    // a force drawn for one step
 
  private:
   class FixDCMCell *cell;

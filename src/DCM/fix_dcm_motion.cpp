@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -39,6 +40,7 @@ static constexpr double KEEP = 2.0;
    fix ID group dcm/motion [FILE name1..nameN] [friction_ecm v] [tolerance t] [maxiter n]
                            [precondition block|jacobi|none] [maxmove m] [floor f]
                            [scheme explicit|implicit]
+                           [dt auto tol X [min A] [max B] [stop T]]
 ------------------------------------------------------------------------- */
 
 FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
@@ -48,10 +50,12 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   dcm = AtomVecDCM::require(lmp, STYLE);
   maxmove = 0.25;
   least_free = 1e-6;
-  implicit = false;
+  implicit = automatic = stopping = ended = false;
+  stop = std::numeric_limits<double>::infinity();
+  step = wanted = error_of_step = rejected = 0.0;
 
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
-               {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme"});
+               {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme", "dt"});
   parameters.parse(args, atom->ntypes);
   while (args.next()) {
     if (parameters.parse_keyword(args)) continue;
@@ -68,16 +72,22 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
       maxmove = args.number(DCMArgs::POSITIVE);
     } else if (args.is("scheme")) {
       implicit = args.choose({"explicit", "implicit"}) == 1;
+    } else if (args.is("dt")) {
+      parse_step(args);
     } else {
       least_free = args.number(DCMArgs::NONNEGATIVE);
       args.check(least_free <= 1.0, "0 to 1");
     }
   }
 
+  if (automatic && !implicit)
+    error->all(FLERR, "{}: dt auto needs scheme implicit", STYLE);
+
   time_integrate = 1;
+  restart_global = automatic ? 1 : 0;
   dynamic_group_allow = 0;
   vector_flag = 1;
-  size_vector = 8;
+  size_vector = automatic ? 12 : 8;
   global_freq = 1;
   extvector = 0;
   comm_forward = 1;
@@ -85,6 +95,7 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   stale = true;
   deferred = pending = false;
   largest_move = solves = iterations = 0.0;
+  slot_move = 0;
   seconds_assembly = seconds_solve = messages_start = 0.0;
 }
 
@@ -101,12 +112,18 @@ void FixDCMMotion::init()
   cell = FixDCMCell::require(lmp, STYLE);
   check_deck();
   roles = DCMRole::of(lmp);
+  if (automatic && (traits_of(lmp) & FIXED_STEP))
+    error->all(FLERR,
+               "{}: dt auto does not go with fix dcm/motility, whose random force is drawn for one "
+               "step of a given length; leave dt out and choose a timestep",
+               STYLE);
   find_friction();
   reset_dt();
   stale = true;
-  solves = iterations = 0.0;
+  solves = iterations = rejected = 0.0;
   seconds_assembly = seconds_solve = 0.0;
   messages_start = messages.seconds;
+  if (automatic) set_step(step > 0.0 ? step : control.round_down(update->dt));
 }
 
 void FixDCMMotion::check_deck()
@@ -131,6 +148,9 @@ void FixDCMMotion::check_deck()
     if (other->time_integrate && !dynamic_cast<DCMRole *>(other))
       error->all(FLERR, "{} and fix {} ({}) both move atoms; unfix one of them", STYLE, other->id,
                  other->style);
+    if (automatic && utils::strmatch(other->style, "^dt/reset"))
+      error->all(FLERR, "{}: fix {} ({}) changes the time step, and so does dt auto; unfix one",
+                 STYLE, other->id, other->style);
     if (later && (modify->get_fix_mask(other) & POST_FORCE)) deferred = true;
   }
 }
@@ -217,22 +237,38 @@ void FixDCMMotion::solve(double keep)
   assemble();
   const double assembled = platform::walltime();
   const double between = messages.seconds;
-  if (implicit)
-    last = solver.solve(dcm::StepSystem(system, stiffness, update->dt), rhs.data(), velocity.data(),
-                        messages, keep);
+  if (automatic)
+    choose_step(keep);
   else
-    last = solver.solve(system, rhs.data(), velocity.data(), messages, keep);
+    solve_system(update->dt, keep);
   const double solved = platform::walltime();
   const double after = messages.seconds;
 
-  check_solution();
   check_move();
   if (last.status != dcm::FrictionResult::KEPT) spread_velocity();
 
-  solves += 1.0;
-  iterations += last.iterations;
   seconds_solve += solved - assembled - (after - between);
   seconds_assembly += platform::walltime() - solved + (assembled - start) - (between - before);
+}
+
+/* ----------------------------------------------------------------------
+   velocities of a step of length dt; false: those there were are kept
+------------------------------------------------------------------------- */
+
+bool FixDCMMotion::solve_system(double dt, double keep)
+{
+  if (implicit) {
+    look_ahead(dt);
+    last = solver.solve(dcm::StepSystem(system, stiffness, dt), rhs.data(), velocity.data(),
+                        messages, keep);
+  } else {
+    last = solver.solve(system, rhs.data(), velocity.data(), messages, keep);
+  }
+  check_solution();
+  solves += 1.0;
+  iterations += last.iterations;
+  find_move(dt);
+  return last.status != dcm::FrictionResult::KEPT;
 }
 
 /* ----------------------------------------------------------------------
@@ -347,17 +383,17 @@ void FixDCMMotion::check_solution()
 }
 
 /* ----------------------------------------------------------------------
-   a step too large for the mesh ends the run before it is taken
+   the largest displacement of a step of length dt, and where it is
 ------------------------------------------------------------------------- */
 
-void FixDCMMotion::check_move()
+void FixDCMMotion::find_move(double dt)
 {
-  const double edge = cell->mean_edge(), dt = update->dt;
+  const double edge = cell->mean_edge();
   struct {
     double ratio;
     int rank;
   } worst = {0.0, comm->me};
-  int s_worst = 0;
+  slot_move = 0;
   for (int s = 1; s <= system.nowned; s++) {
     const double *u = &velocity[STRIDE * (size_t) s];
     const int i = unknowns.atom_of(s);
@@ -365,24 +401,34 @@ void FixDCMMotion::check_move()
     const double move = dt * std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     if (move <= worst.ratio * scale || scale == 0.0) continue;
     worst.ratio = move / scale;
-    s_worst = s;
+    slot_move = s;
   }
   MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
   largest_move = worst.ratio;
+  if (comm->me != worst.rank) slot_move = 0;
+}
+
+/* ----------------------------------------------------------------------
+   a step too large for the mesh ends the run before it is taken
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::check_move()
+{
   if (largest_move <= maxmove) return;
 
-  const auto who = describe((comm->me == worst.rank) ? s_worst : -1);
-  double scale = edge;
-  if (who[2] == AtomVecDCM::SPHERE && comm->me == worst.rank)
-    scale = atom->radius[unknowns.atom_of(s_worst)];
-  MPI_Bcast(&scale, 1, MPI_DOUBLE, worst.rank, world);
+  const auto who = describe(slot_move > 0 ? slot_move : -1);
+  double scale = cell->mean_edge();
+  if (who[2] == AtomVecDCM::SPHERE) {
+    scale = slot_move > 0 ? atom->radius[unknowns.atom_of(slot_move)] : 0.0;
+    MPI_Allreduce(MPI_IN_PLACE, &scale, 1, MPI_DOUBLE, MPI_MAX, world);
+  }
   error->all(FLERR,
              "{}: {} {} of cell {} would move by {:.4g} at step {}, {:.3g} of its {} {:.4g}, "
              "the limit is maxmove {}; use a smaller timestep than {}, larger friction (gamma, "
              "friction_ecm), or raise maxmove",
              STYLE, kind_name(who[2]), who[0], who[1], largest_move * scale, update->ntimestep,
              largest_move, (who[2] == AtomVecDCM::SPHERE) ? "radius" : "mean edge length", scale,
-             maxmove, dt);
+             maxmove, update->dt);
 }
 
 /* ----------------------------------------------------------------------
@@ -413,6 +459,14 @@ double FixDCMMotion::compute_vector(int n)
     case 7:
       value = system.nowned;
       break;
+    case 8:
+      return update->dt;
+    case 9:
+      return error_of_step;
+    case 10:
+      return rejected;
+    case 11:
+      return cell->cells().time();
     default:
       return 0.0;
   }

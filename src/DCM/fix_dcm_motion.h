@@ -19,6 +19,7 @@ FixStyle(dcm/motion,FixDCMMotion);
 
 #include "law/friction_comm.h"
 #include "law/friction_solver.h"
+#include "law/step_control.h"
 #include "law/step_system.h"
 #include "dcm_parameters.h"
 #include "dcm_role.h"
@@ -44,6 +45,10 @@ class FixDCMMotion : public Fix, public DCMRole {
   void post_neighbor() override;
   void final_integrate() override;
   void reset_dt() override;
+  void post_run() override;
+  int modify_param(int, char **) override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
   double compute_vector(int) override;
   double memory_usage() override;
   int pack_forward_comm(int, int *, double *, int, int *) override;
@@ -74,7 +79,20 @@ class FixDCMMotion : public Fix, public DCMRole {
   std::vector<double> rhs, velocity;    // dcm::STRIDE per slot
   std::vector<double> cell_sums;
 
+  // dt auto
+
+  dcm::StepControl control;
+  bool automatic;
+  double step, wanted;                 // its length, and were there no event; 0: not known yet
+  double stop;                         // time at which runs end, infinite: never
+  bool stopping, ended;                // the coming step is the last one, was it
+  double error_of_step, rejected;      // of the coming step; since the start of the run
+  std::vector<double> motion, motion_before;    // of cells: 4 numbers per row
+  std::vector<RestAhead> ahead;        // per row, to the end of the coming step
+  std::vector<double> ahead_forces;    // dcm::STRIDE per slot
+
   double largest_move;          // dt |v| over mean edge (node) or radius (sphere)
+  int slot_move;                // where, 0: on another process
   double solves, iterations;    // since the start of the run
   double seconds_assembly, seconds_solve, messages_start;
 
@@ -85,7 +103,17 @@ class FixDCMMotion : public Fix, public DCMRole {
   void add_ecm();
   void solve(double);
   void check_solution();
+  void find_move(double);
   void check_move();
+  void measure_cells(std::vector<double> &);
+  double change_of_velocity();
+  void look_ahead(double);
+  bool solve_system(double, double);
+  void choose_step(double);
+  double until_event(double);
+  void begin_step(double);
+  void set_step(double);
+  void parse_step(class DCMArgs &);
   void spread_velocity();
   std::vector<tagint> describe(int);
 };

@@ -76,6 +76,8 @@ void FixDCMMotion::assemble()
   add_ecm();
   system.merge();
 
+  // what the rest state of the end of the step changes of the forces comes in look_ahead()
+
   const size_t n = (size_t) system.nall + 1;
   rhs.assign(STRIDE * n, 0.0);
   velocity.assign(STRIDE * n, 0.0);

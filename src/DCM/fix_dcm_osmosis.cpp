@@ -387,6 +387,18 @@ void FixDCMOsmosis::evaluate_pressure()
 }
 
 /* ----------------------------------------------------------------------
+   a tenth of the ramp while it lasts; the end of a starter around a point
+------------------------------------------------------------------------- */
+
+double FixDCMOsmosis::longest_step()
+{
+  double first = DCMRole::longest_step();
+  if (ramp > 0.0 && now.begun >= 0.0 && now.clock - now.begun < ramp) first = 0.1 * ramp;
+  if (starter == AT_POINT && now.clock < starting) first = std::min(first, starting - now.clock);
+  return first;
+}
+
+/* ----------------------------------------------------------------------
    the marked faces as they are now: volume, closure, net force; collective
 ------------------------------------------------------------------------- */
 

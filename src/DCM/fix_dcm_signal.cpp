@@ -29,7 +29,7 @@ using namespace LAMMPS_NS;
 using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/signal";
-static constexpr int RECORD = 1;    // version of the restart record
+static constexpr int RECORD = 2;    // version of the restart record
 
 // the time is over when nothing but round-off is missing
 
@@ -42,7 +42,7 @@ static constexpr double DONE = 1.0 - 1.0e-9;
 
 FixDCMSignal::FixDCMSignal(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), from(0), to(lmp, STYLE), least_area(0.2), signal_time(-1.0), lumen(true),
-    hold(false), cell(nullptr), contact(nullptr), switched(0)
+    hold(false), cell(nullptr), contact(nullptr), since(-1.0), switched(0)
 {
   AtomVecDCM::require(lmp, STYLE);
   nevery = 1;
@@ -146,6 +146,7 @@ void FixDCMSignal::setup(int /*vflag*/)
 
 void FixDCMSignal::initial_integrate(int /*vflag*/)
 {
+  if (since >= 0.0) since += update->dt;
   if ((update->ntimestep - 1) % nevery == 0) {
     measure_contacts();
     count_time();
@@ -181,6 +182,8 @@ void FixDCMSignal::measure_contacts()
 void FixDCMSignal::count_time()
 {
   const auto &table = cell->cells();
+  const double passed = since < 0.0 ? nevery * update->dt : since;
+  since = 0.0;
   int field = 0;
   const auto marked = table.column("marked_area", field);    // not kept: it is another's
   for (const int row : table.all_deformable()) {
@@ -188,7 +191,7 @@ void FixDCMSignal::count_time()
     if (!listens(it) || (*fate)(row) > 0.0) continue;
     if (contact_area[row] > least_area * it.area &&
         (!lumen || (marked && (*marked)(row, field) > 0.0))) {
-      (*signal)(row) += nevery * update->dt;
+      (*signal)(row) += passed;
       if ((*signal)(row) >= DONE * signal_time) (*fate)(row) = 1.0;
     } else if (!hold) {
       (*signal)(row) = 0.0;
@@ -213,6 +216,7 @@ void FixDCMSignal::write_restart(FILE *fp)
   if (comm->me != 0) return;
   DCMRecord record(lmp, STYLE, RECORD);
   record.put(switched);
+  record.put(since);
   record.write(fp);
 }
 
@@ -221,6 +225,7 @@ void FixDCMSignal::restart(char *buf)
   DCMRecord record(lmp, STYLE, RECORD);
   record.load(buf);
   record.get(switched);
+  record.get(since);
 }
 
 /* ----------------------------------------------------------------------

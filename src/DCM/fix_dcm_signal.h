@@ -60,6 +60,7 @@ class FixDCMSignal : public Fix, public DCMRole {
   DCMRequest<int> partners;
   DCMCellTable::Handle signal, fate;    // per cell: time counted so far; 1: decided
   bool warned = false;
+  double since;                        // time since the last look, < 0: none yet
   bigint switched;                     // cells that divided with their fate decided
   std::vector<double> contact_area;    // per row: with the group that signals
 

@@ -318,6 +318,24 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
 }
 
 /* ----------------------------------------------------------------------
+   the pressure that a change of rest volume adds, with the gradients of add_stiffness()
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::add_ahead(const std::vector<RestAhead> &ahead, std::vector<double> &forces,
+                             DCMUnknowns &unknowns)
+{
+  const auto &table = cell->cells();
+  const DCMAtoms *const dcm = AtomVecDCM::require(lmp, STYLE);
+  for (int s = 1; s <= unknowns.nowned(); s++) {
+    const int i = unknowns.atom_of(s);
+    const int row = dcm->kind[i] == AtomVecDCM::NODE ? cell->cell_of(i) : -1;
+    if (row < 0 || ahead[row].volume0 == 1.0 || !acts_on(table[row])) continue;
+    const double more = K_V[table[row].type] * std::log(ahead[row].volume0);
+    dcm::vec(&forces[dcm::STRIDE * (size_t) s]) += more * dcm::vec(&node[(size_t) width * i]);
+  }
+}
+
+/* ----------------------------------------------------------------------
    energy of all cells acted on
 ------------------------------------------------------------------------- */
 

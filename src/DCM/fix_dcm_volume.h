@@ -44,6 +44,8 @@ class FixDCMVolume : public Fix, public DCMRole {
 
   unsigned traits() const override { return GIVES_PRESSURE; }
   void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
+  void add_ahead(const std::vector<RestAhead> &, std::vector<double> &,
+                 class DCMUnknowns &) override;
 
   // bulk modulus of a cell, 0: not acted on
   double bulk_modulus(const DCMCellTable::Cell &it) const

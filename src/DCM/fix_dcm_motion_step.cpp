@@ -1,0 +1,277 @@
+/* ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+// fix dcm/motion: what is known of the end of a step before it is taken, and how long it is
+
+#include "fix_dcm_motion.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "dcm_args.h"
+#include "dcm_record.h"
+#include "error.h"
+#include "fix_dcm_cell.h"
+#include "law/volume.h"
+#include "force.h"
+#include "modify.h"
+#include "output.h"
+#include "pair.h"
+#include "timer.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+using namespace LAMMPS_NS;
+using dcm::STRIDE;
+
+static const char STYLE[] = "Fix dcm/motion";
+static constexpr int RECORD = 1;    // version of the restart record
+
+// the steps of dt auto, where the deck does not say: from the timestep of the deck on, up to this
+// times as much
+
+static constexpr double LONGEST = 60.0;
+
+/* ----------------------------------------------------------------------
+   dt auto tol X [min A] [max B] [stop T]
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::parse_step(DCMArgs &args)
+{
+  args.choose({"auto"});
+  automatic = true;
+  control.least = control.longest = control.tolerance = 0.0;
+  while (true) {
+    if (args.word("tol"))
+      control.tolerance = args.number(DCMArgs::POSITIVE, "dt auto tol");
+    else if (args.word("min"))
+      control.least = args.number(DCMArgs::POSITIVE, "dt auto min");
+    else if (args.word("max"))
+      control.longest = args.number(DCMArgs::POSITIVE, "dt auto max");
+    else if (args.word("stop"))
+      stop = args.number(DCMArgs::POSITIVE, "dt auto stop");
+    else
+      break;
+  }
+  if (control.tolerance == 0.0)
+    error->all(FLERR, "{}: dt auto needs tol, the error of a step, a length", STYLE);
+  if (control.least == 0.0)
+    control.least = control.longest > 0.0 ? std::min(update->dt, control.longest) : update->dt;
+  if (control.longest == 0.0) control.longest = LONGEST * control.least;
+  if (control.least > control.longest)
+    error->all(FLERR, "{}: dt auto min is {}, above max {}", STYLE, control.least, control.longest);
+}
+
+/* ----------------------------------------------------------------------
+   forces of the rest state that cells will have at the end of a step of length dt: on top of those
+   of assemble()
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::look_ahead(double dt)
+{
+  if (!ahead_forces.empty())    // of another dt
+    for (size_t n = 0; n < STRIDE * ((size_t) system.nowned + 1); n++) rhs[n] -= ahead_forces[n];
+  ahead_forces.clear();
+
+  ahead.assign(cell->cells().all().size(), RestAhead());
+  bool any = false;
+  for (auto *const role : roles) any |= role->rest_ahead(dt, ahead);
+  if (!any) return;
+  ahead_forces.assign(STRIDE * ((size_t) system.nall + 1), 0.0);
+  for (auto *const role : roles) role->add_ahead(ahead, ahead_forces, unknowns);
+  for (int k = 0; k < STRIDE; k++) ahead_forces[k] = 0.0;    // slot 0 is fixed
+  messages.reverse(ahead_forces.data(), STRIDE, 3);
+  for (size_t n = 0; n < STRIDE * ((size_t) system.nowned + 1); n++) rhs[n] += ahead_forces[n];
+}
+
+/* ----------------------------------------------------------------------
+   how the cells move: mean velocity of a deformable cell's nodes and the speed at which its surface
+   moves outward on the mean, or of its sphere; 4 numbers per row of the table, the same on all
+   processes. What nodes do within a surface decays fast and leaves no trace
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::measure_cells(std::vector<double> &motion)
+{
+  const auto &table = cell->cells();
+  double **x = atom->x;
+  motion.assign(4 * table.all().size(), 0.0);
+  for (int s = 1; s <= system.nowned; s++) {
+    const int row = cell->cell_of(unknowns.atom_of(s));
+    if (row < 0) continue;
+    const double weight = table[row].deformable ? 1.0 / std::max(1, table[row].nnodes) : 1.0;
+    for (int k = 0; k < 3; k++)
+      motion[4 * (size_t) row + k] += weight * velocity[STRIDE * (size_t) s + k];
+  }
+  for (int f = 0; f < cell->nowned(); f++) {
+    const auto &face = cell->faces()[f];
+    if (face.cell < 0) continue;
+    const int *const s = &face_slots[3 * (size_t) f], *const v = face.v;
+    const dcm::Vec3 third = dcm::face_area_vector(dcm::vec(x[v[0]]), dcm::vec(x[v[1]]),
+                                                  dcm::vec(x[v[2]])) /
+                            (3.0 * table[face.cell].area);
+    for (int k = 0; k < 3; k++)
+      motion[4 * (size_t) face.cell + 3] += third.dot(dcm::vec(&velocity[STRIDE * (size_t) s[k]]));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, motion.data(), (int) motion.size(), MPI_DOUBLE, MPI_SUM, world);
+}
+
+/* ----------------------------------------------------------------------
+   largest change of a cell's velocity against that of the last step
+------------------------------------------------------------------------- */
+
+double FixDCMMotion::change_of_velocity()
+{
+  measure_cells(motion);
+  double most = 0.0;
+  for (size_t n = 0; n < motion.size(); n++) {
+    const double d = motion[n] - (n < motion_before.size() ? motion_before[n] : 0.0);
+    most = std::max(most, std::fabs(d));
+  }
+  return most;
+}
+
+/* ----------------------------------------------------------------------
+   length and velocities of the coming step. It is solved before it is taken: one that is too long
+   is solved again with a shorter one
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::choose_step(double keep)
+{
+  // a run that goes on does so with the step it had, unless it is to end before
+
+  if (keep > 0.0 && wanted > 0.0) {
+    const double dt = until_event(step);
+    if (std::fabs(dt - step) <= 1e-9 * step && !solve_system(step, keep)) {
+      begin_step(step);
+      return;
+    }
+  }
+
+  double h = wanted > 0.0 ? wanted : control.round_down(update->dt), dt;
+  while (true) {
+    dt = until_event(h);
+    solve_system(dt, 0.0);
+    error_of_step = 0.5 * dt * change_of_velocity();
+    const bool near = largest_move <= maxmove || control.shortest(dt);
+    if (near && control.accepts(dt, error_of_step)) break;
+    rejected += 1.0;
+    double shorter = std::min(0.8 * dt, control.next(dt, error_of_step));
+    if (!near) shorter = std::min(shorter, 0.8 * dt * maxmove / largest_move);
+    h = control.round_down(std::max(control.least, shorter));
+  }
+  const bool cut = dt < 0.999 * h && error_of_step <= control.allowed(dt);    // by an event
+  if (!cut) h = control.next(dt, error_of_step);
+  wanted = h;
+  motion_before = motion;
+  begin_step(dt);
+}
+
+/* ----------------------------------------------------------------------
+   length of a step that was to be h, so that it does not pass over an event
+------------------------------------------------------------------------- */
+
+double FixDCMMotion::until_event(double h)
+{
+  const double now = cell->cells().time();
+  double first = std::numeric_limits<double>::infinity();
+  for (auto *const role : roles) first = std::min(first, role->longest_step());
+  for (int i = 0; i < output->ndump; i++) {    // dump_modify every/time
+    if (output->mode_dump[i] != 1) continue;
+    double left = output->next_time_dump[i] - now;
+    if (left < 1e-6 * h) left += output->every_time_dump[i];    // it is written in this step
+    if (left >= 1e-6 * h) first = std::min(first, left);
+  }
+  const double dt = control.until(h, first), left = stop - now;
+  stopping = left <= dt * (1.0 + 1e-9);
+  return stopping && left > 1e-9 * dt ? left : dt;
+}
+
+/* ----------------------------------------------------------------------
+   a last step is known one step ahead, as thermo output needs it
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::begin_step(double dt)
+{
+  for (int i = 0; i < output->ndump; i++)    // dumps by time do not see to that themselves
+    if (output->mode_dump[i] == 1 && output->next_dump[i] == update->ntimestep)
+      modify->clearstep_compute();
+  set_step(dt);
+  if (!stopping) return;
+  if (stop - cell->cells().time() < 0.5 * dt) {    // it has been taken
+    timer->force_timeout();
+    ended = true;
+    return;
+  }
+  const bigint last_step = update->ntimestep + 1;
+  update->laststep = last_step;
+  output->next_thermo = std::min(output->next_thermo, last_step);
+  output->next = std::min(output->next, last_step);
+  modify->addstep_compute_all(last_step);
+}
+
+/* ----------------------------------------------------------------------
+   as fix dt/reset does it
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::set_step(double dt)
+{
+  step = dt;
+  if (dt == update->dt) return;
+  update->update_time();
+  update->dt = dt;
+  update->dt_default = 0;
+  if (force->pair) force->pair->reset_dt();
+  for (auto *const fix : modify->get_fix_list()) fix->reset_dt();
+  output->reset_dt();
+}
+
+void FixDCMMotion::post_run()
+{
+  if (ended) timer->reset_timeout();
+  ended = false;
+}
+
+/* ----------------------------------------------------------------------
+   fix_modify ID stop T
+------------------------------------------------------------------------- */
+
+int FixDCMMotion::modify_param(int narg, char **arg)
+{
+  if (strcmp(arg[0], "stop") != 0) return 0;
+  if (narg < 2) utils::missing_cmd_args(FLERR, "fix_modify stop", error);
+  if (!automatic)
+    error->all(FLERR, "{}: fix_modify {} stop needs dt auto in the fix; use run N", STYLE, id);
+  stop = DCMArgs::number(lmp, STYLE, "fix_modify stop", arg[1], DCMArgs::POSITIVE);
+  return 2;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMMotion::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.put(step);
+  record.put(wanted);
+  record.put(error_of_step);
+  record.write(fp);
+}
+
+void FixDCMMotion::restart(char *buf)
+{
+  DCMRecord record(lmp, STYLE, RECORD);
+  record.load(buf);
+  record.get(step);
+  record.get(wanted);
+  record.get(error_of_step);
+}
