@@ -106,9 +106,11 @@ class DCMRole {
   {
   }
 
-  // ---- longest step that may begin now: as far as the next event that a step should end at (a cell
-  // gets ready, a ramp ends), or what the style's own scheme in time stands; the same on all processes
+  // ---- steps of chosen length; the same on all processes: time from now to the next event that a
+  // step should end at (a cell gets ready), and the longest step that the style's own scheme in time
+  // stands (a ramp, a controller)
 
+  virtual double next_event() { return std::numeric_limits<double>::infinity(); }
   virtual double longest_step() { return std::numeric_limits<double>::infinity(); }
 
   // all styles of the deck with a role: bond, dihedral and pair styles (those of hybrid styles as

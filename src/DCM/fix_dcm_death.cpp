@@ -303,9 +303,9 @@ bool FixDCMDeath::rest_ahead(double dt, std::vector<RestAhead> &ahead)
   return !shrinking.empty();
 }
 
-double FixDCMDeath::longest_step()
+double FixDCMDeath::next_event()
 {
-  double first = DCMRole::longest_step();
+  double first = DCMRole::next_event();
   for (const auto &it : shrinking)
     if (it.second.left > 0.0) first = std::min(first, it.second.left);
   return first;

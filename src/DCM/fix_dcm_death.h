@@ -48,7 +48,7 @@ class FixDCMDeath : public Fix, public DCMRole {
 
   void cell_converted(int, double) override;
   bool rest_ahead(double, std::vector<RestAhead> &) override;
-  double longest_step() override;
+  double next_event() override;
 
  private:
   struct Shrinking {

@@ -54,7 +54,7 @@ class FixDCMGrowth : public Fix, public DCMRole {
   void cell_converted(int, double) override;
   void cell_retyped(int, int) override;
   bool rest_ahead(double, std::vector<RestAhead> &) override;
-  double longest_step() override;
+  double next_event() override;
 
  private:
   struct Cycle {        // of one cell, all doubles: the column's numbers, in this order

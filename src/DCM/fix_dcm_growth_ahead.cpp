@@ -52,7 +52,7 @@ double FixDCMGrowth::length_at(double progress) const
 
 /* ----------------------------------------------------------------------
    rest state at the end of a step: that of deformable cells, since only their forces are asked for
-   ahead. A phase that ends in the step ends with it, see longest_step()
+   ahead. A phase that ends in the step ends with it, see next_event()
 ------------------------------------------------------------------------- */
 
 bool FixDCMGrowth::rest_ahead(double dt, std::vector<RestAhead> &ahead)
@@ -80,7 +80,7 @@ bool FixDCMGrowth::rest_ahead(double dt, std::vector<RestAhead> &ahead)
    down are left out, since their strain is not known here
 ------------------------------------------------------------------------- */
 
-double FixDCMGrowth::longest_step()
+double FixDCMGrowth::next_event()
 {
   double first = std::numeric_limits<double>::infinity();
   const auto &table = cell->cells();

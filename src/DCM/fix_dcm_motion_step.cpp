@@ -184,7 +184,10 @@ double FixDCMMotion::until_event(double h)
 {
   const double now = cell->cells().time();
   double first = std::numeric_limits<double>::infinity();
-  for (auto *const role : roles) first = std::min(first, role->longest_step());
+  for (auto *const role : roles) {
+    first = std::min(first, role->next_event());
+    h = std::min(h, role->longest_step());
+  }
   for (int i = 0; i < output->ndump; i++) {    // dump_modify every/time
     if (output->mode_dump[i] != 1) continue;
     double left = output->next_time_dump[i] - now;

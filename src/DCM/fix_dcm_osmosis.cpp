@@ -387,15 +387,19 @@ void FixDCMOsmosis::evaluate_pressure()
 }
 
 /* ----------------------------------------------------------------------
-   a tenth of the ramp while it lasts; the end of a starter around a point
+   the end of a starter around a point; a tenth of the ramp while it lasts
 ------------------------------------------------------------------------- */
+
+double FixDCMOsmosis::next_event()
+{
+  if (starter == AT_POINT && now.clock < starting) return starting - now.clock;
+  return DCMRole::next_event();
+}
 
 double FixDCMOsmosis::longest_step()
 {
-  double first = DCMRole::longest_step();
-  if (ramp > 0.0 && now.begun >= 0.0 && now.clock - now.begun < ramp) first = 0.1 * ramp;
-  if (starter == AT_POINT && now.clock < starting) first = std::min(first, starting - now.clock);
-  return first;
+  if (ramp > 0.0 && now.begun >= 0.0 && now.clock - now.begun < ramp) return 0.1 * ramp;
+  return DCMRole::longest_step();
 }
 
 /* ----------------------------------------------------------------------

@@ -61,6 +61,7 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   double memory_usage() override;
 
   const int *marked_faces() const override { return mark; }
+  double next_event() override;
   double longest_step() override;
   void cell_divided(const DCMCellTable::Division &) override;
   void cell_removed(int) override { now.due = 1; }
