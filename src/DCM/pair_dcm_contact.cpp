@@ -16,7 +16,6 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_allgather.h"
-#include "dcm_unknowns.h"
 #include "law/curvature.h"
 #include "law/volume.h"
 #include "error.h"
@@ -27,6 +26,7 @@
 #include "update.h"
 
 #include <algorithm>
+#include <array>
 #include <cfloat>
 #include <cmath>
 
@@ -48,12 +48,18 @@ static constexpr double OPPOSED = -0.7;
 
 static constexpr size_t AHEAD = 4, FAR_AHEAD = 16;
 
+template <class State, bool HISTORY>
+constexpr std::array<PairDCMContact::Contacts, 2> PairDCMContact::contacts_of()
+{
+  return {&PairDCMContact::compute_cells<State, HISTORY, false>,
+          &PairDCMContact::compute_cells<State, HISTORY, true>};
+}
+
 // the contact laws of keyword law: a new one is a header in law/ and a line here, at the end
 
 const PairDCMContact::Law PairDCMContact::LAWS[] = {
-    {"dmt", &PairDCMContact::compute_cells<dcm::DmtState, false>, nullptr},
-    {"maugis", &PairDCMContact::compute_cells<dcm::MaugisState, false>,
-     &PairDCMContact::compute_cells<dcm::MaugisState, true>}};
+    {"dmt", contacts_of<dcm::DmtState, false>(), {nullptr, nullptr}},
+    {"maugis", contacts_of<dcm::MaugisState, false>(), contacts_of<dcm::MaugisState, true>()}};
 
 std::vector<std::string> PairDCMContact::law_names()
 {
@@ -88,8 +94,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   area.assign(nall, 0.0);
   if (want_stress) stress.assign(nall, 0.0);
   if (want_virial) moment.assign(nall, 0.0);
-  contacts.clear();
-  spheres.clear();
+  clear_blocks();
   if (want_partners) {
     partner_list.clear();
     partners_merged = false;
@@ -98,17 +103,10 @@ void PairDCMContact::compute(int eflag, int vflag)
   if (fix_cell) {
     make_faces();
     const Law &law = LAWS[set.law];
-    (this->*(set.history ? law.with_history : law.contacts))();
+    (this->*(set.history ? law.with_history : law.contacts)[want_stiffness])();
   }
-  if (!sphere_pairs.empty() || any_apparent) {
-    if (any_apparent) compute_moduli();
-    if (sister_list.empty())
-      compute_spheres<false>(eflag);
-    else
-      compute_spheres<true>(eflag);
-  } else if (!sister_list.empty()) {
-    compute_spheres<true>(eflag);
-  }
+  if (any_apparent) compute_moduli();
+  compute_spheres(eflag);
 
   commmode = SUMS;
   comm->reverse_comm(this, 1 + want_stress + want_virial);
@@ -130,7 +128,8 @@ void PairDCMContact::find_wanted()
 {
   want_stress = stress_requests.any();
   want_virial = virial_requests.any();
-  want_blocks = (traits_of_deck & MOVES) || blocks_requests.any();
+  want_stiffness = stiffness_requests.any();
+  want_blocks = (traits_of_deck & MOVES) || blocks_requests.any() || want_stiffness;
   want_partners = false;
   partner_requests.each([this](int every) {
     if (update->setupflag || update->ntimestep % every == 0) want_partners = true;
@@ -225,10 +224,10 @@ void PairDCMContact::find_candidates()
    before the loops
 ------------------------------------------------------------------------- */
 
-template <class State, bool HISTORY> void PairDCMContact::compute_cells()
+template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_cells()
 {
-  compute_faces<State, HISTORY>();
-  compute_mixed<State, HISTORY>();
+  compute_faces<State, HISTORY, SLOPE>();
+  compute_mixed<State, HISTORY, SLOPE>();
 }
 
 /* ----------------------------------------------------------------------
@@ -266,7 +265,7 @@ static inline bool covers(const dcm::FaceGeometry &face, const Vec3 &point, cons
 
 /* ---------------------------------------------------------------------- */
 
-template <class State, bool HISTORY> void PairDCMContact::compute_faces()
+template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_faces()
 {
   const auto &faces = fix_cell->faces();
   double *const *const force_of = atom->f;
@@ -291,7 +290,7 @@ template <class State, bool HISTORY> void PairDCMContact::compute_faces()
     const double bound = f.reach + g.reach + range_used;
     const dcm::ContactMaterial &mat = table[face_class[fi] * nclass + face_class[gi]];
     if (!(apart.squaredNorm() < bound * bound) || (!HISTORY && separated(f, g, apart)) ||
-        !dcm::face_face<State>(f, g, mat, set.points, r, HISTORY && *face_touch[n])) {
+        !dcm::face_face<State, SLOPE>(f, g, mat, set.points, r, HISTORY && *face_touch[n])) {
       if (HISTORY) *face_touch[n] = 0;
       continue;
     }
@@ -332,6 +331,7 @@ template <class State, bool HISTORY> void PairDCMContact::compute_faces()
                           {r.u[0], r.u[1], r.u[2]},
                           r.area * mat.gn,
                           r.area * mat.gt});
+    if constexpr (SLOPE) contact_slope.push_back(std::max(0.0, weight * r.slope));
   }
 }
 
@@ -339,7 +339,7 @@ template <class State, bool HISTORY> void PairDCMContact::compute_faces()
    a deformable cell's face against a center-based cell
 ------------------------------------------------------------------------- */
 
-template <class State, bool HISTORY> void PairDCMContact::compute_mixed()
+template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mixed()
 {
   const auto &faces = fix_cell->faces();
   double *const *const force_of = atom->f;
@@ -356,8 +356,8 @@ template <class State, bool HISTORY> void PairDCMContact::compute_mixed()
     const dcm::ContactMaterial &mat =
         table[face_class[fi] * nclass + NREGION * (atom->type[j] - 1)];
     if (!(apart.squaredNorm() < bound * bound) ||
-        !dcm::face_sphere<State>(f, vec(x[j]), radius, mat, set.points, r,
-                                 HISTORY && *mixed_touch[n])) {
+        !dcm::face_sphere<State, SLOPE>(f, vec(x[j]), radius, mat, set.points, r,
+                                        HISTORY && *mixed_touch[n])) {
       if (HISTORY) *mixed_touch[n] = 0;
       if (apart.squaredNorm() < 0.25 * radius * radius && f.n.dot(apart) <= 0.0)
         fail_pair(faces[fi].atom, j, radius - f.n.dot(apart), radius, 0.0);
@@ -388,6 +388,7 @@ template <class State, bool HISTORY> void PairDCMContact::compute_mixed()
                           {r.u[0], r.u[1], r.u[2]},
                           r.area * mat.gn,
                           r.area * mat.gt});
+    if constexpr (SLOPE) contact_slope.push_back(std::max(0.0, weight * r.slope));
   }
 }
 
@@ -430,28 +431,6 @@ const std::vector<PairDCMContact::Partner> &PairDCMContact::partners()
   merge(partner_list);
   partners_merged = true;
   return partner_list;
-}
-
-/* ----------------------------------------------------------------------
-   blocks between the unknowns instead of local atoms
-------------------------------------------------------------------------- */
-
-void PairDCMContact::add_friction(dcm::FrictionSystem &system, DCMUnknowns &unknowns)
-{
-  for (const auto &block : spheres) {
-    const int i = unknowns(block.i), j = unknowns(block.j);
-    if (i == j) continue;    // both fixed
-    system.edges.push_back(block);
-    system.edges.back().i = i;
-    system.edges.back().j = j;
-  }
-  for (const auto &block : contacts) {
-    int n[6], any = 0;
-    for (int k = 0; k < 6; k++) any |= n[k] = unknowns(block.n[k]);
-    if (!any) continue;
-    system.contacts.push_back(block);
-    std::copy(n, n + 6, system.contacts.back().n);
-  }
 }
 
 /* ----------------------------------------------------------------------

@@ -24,6 +24,7 @@ PairStyle(dcm/contact,PairDCMContact);
 #include "dcm_role.h"
 #include "pair.h"
 
+#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -81,16 +82,20 @@ class PairDCMContact : public Pair, public DCMRole {
   // request_blocks()
   void add_friction(dcm::FrictionSystem &, class DCMUnknowns &) override;
 
+  // stiffness of this step, recorded after request_stiffness(); friction blocks then as well
+  void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
+
   // contact area of faces and spheres, per atom; owned atoms: summed over ranks
   const double *contact_area() const { return area.data(); }
   const double *covered_area() const override { return area.data(); }
 
   // ask in init(), every run, and keep the handle: normal contact force per face or sphere
-  // (compression positive), virial of spheres, friction blocks, contact area per pair of cells in
-  // the steps that are multiples of `every`
+  // (compression positive), virial of spheres, friction blocks, stiffness, contact area per pair of
+  // cells in the steps that are multiples of `every`
   DCMRequest<> request_stress() { return stress_requests.add(); }
   DCMRequest<> request_virial() { return virial_requests.add(); }
   DCMRequest<> request_blocks() { return blocks_requests.add(); }
+  DCMRequest<> request_stiffness() { return stiffness_requests.add(); }
   DCMRequest<int> request_partners(int every = 1) { return partner_requests.add(every); }
 
   const double *normal_force() const { return stress.data(); }
@@ -128,16 +133,17 @@ class PairDCMContact : public Pair, public DCMRole {
   // cells grow
   static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
 
+  using Contacts = void (PairDCMContact::*)();
   struct Law {
     const char *name;
-    void (PairDCMContact::*contacts)();
-    void (PairDCMContact::*with_history)();    // nullptr: no neck to remember
+    std::array<Contacts, 2> contacts;        // without and with slopes for the stiffness
+    std::array<Contacts, 2> with_history;    // nullptr: no neck to remember
   };
   static const Law LAWS[];    // of keyword law
   enum { DMT, MAUGIS };       // their order, which restart files keep
   enum CommMode { SUMS, NEIGHBORS, MODULUS };
 
-  DCMRequests<> stress_requests, virial_requests, blocks_requests;
+  DCMRequests<> stress_requests, virial_requests, blocks_requests, stiffness_requests;
   DCMRequests<int> partner_requests;
   DCMRequest<> curvature;
   DCMRequest<double> contact_range;
@@ -182,7 +188,8 @@ class PairDCMContact : public Pair, public DCMRole {
   bool expect_spheres, expect_faces;    // at the start, or they may come in the run
   bool any_apparent, use_history;
   unsigned traits_of_deck = 0U;
-  bool want_stress, want_partners, want_blocks, want_virial = false;    // in this step
+  bool want_stress, want_partners, want_blocks;    // in this step
+  bool want_virial = false, want_stiffness = false;
   double mean_edge, cell_radius;    // at the start of the run; largest deformable cell
   bigint built, checked_step, checked_atoms;
 
@@ -214,7 +221,9 @@ class PairDCMContact : public Pair, public DCMRole {
   std::vector<double> area, stress, moment, modulus, near_sum, near_count;    // per atom
   std::vector<dcm::ContactBlock> contacts;
   std::vector<dcm::EdgeBlock> spheres;
-  std::vector<Partner> partner_list;    // of this rank, or merged of all
+  std::vector<double> contact_slope;               // of contacts: normal force/overlap, >= 0
+  std::vector<dcm::EdgeBlock> sphere_stiffness;    // of spheres
+  std::vector<Partner> partner_list;               // of this rank, or merged of all
   bool partners_merged = true;
   std::vector<Sisters> sister_list;
   std::vector<double> sister_force;    // of the full law, on this rank
@@ -241,11 +250,14 @@ class PairDCMContact : public Pair, public DCMRole {
   void check_radii();
   void make_faces();
   void find_candidates();
-  template <class State, bool HISTORY> void compute_cells();
-  template <class State, bool HISTORY> void compute_faces();
-  template <class State, bool HISTORY> void compute_mixed();
+  template <class State, bool HISTORY> static constexpr std::array<Contacts, 2> contacts_of();
+  template <class State, bool HISTORY, bool SLOPE> void compute_cells();
+  template <class State, bool HISTORY, bool SLOPE> void compute_faces();
+  template <class State, bool HISTORY, bool SLOPE> void compute_mixed();
   void compute_moduli();
-  template <bool SISTERS> void compute_spheres(int);
+  void compute_spheres(int);
+  template <bool SISTERS, bool SLOPE> void sphere_contacts(int);
+  void clear_blocks();
   static std::vector<std::string> law_names();
   int find_sisters(tagint, tagint) const;
   void add_partner(tagint, tagint, double);

@@ -129,7 +129,7 @@ void PairDCMContact::settings(int narg, char **arg)
       args.check(now.growth >= 1.0, "at least 1 (no growth)");
     }
   }
-  if (now.history && !LAWS[now.law].with_history)
+  if (now.history && !LAWS[now.law].with_history[0])
     error->all(FLERR, "{}: branch history is for law maugis; law {} has no neck to remember", STYLE,
                LAWS[now.law].name);
   if (now.h0_auto != set.h0_auto || now.h0 != set.h0) h0_used = 0.0;
@@ -404,7 +404,8 @@ double PairDCMContact::memory_usage()
   bytes += (double) (area.capacity() + stress.capacity() + moment.capacity() + modulus.capacity()) *
            sizeof(double);
   bytes += (double) contacts.capacity() * sizeof(dcm::ContactBlock);
-  bytes += (double) spheres.capacity() * sizeof(dcm::EdgeBlock);
+  bytes += (double) (spheres.capacity() + sphere_stiffness.capacity()) * sizeof(dcm::EdgeBlock);
+  bytes += (double) contact_slope.capacity() * sizeof(double);
   bytes += (double) table.capacity() * sizeof(dcm::ContactMaterial);
   return bytes;
 }

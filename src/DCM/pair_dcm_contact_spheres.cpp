@@ -122,7 +122,7 @@ void PairDCMContact::compute_moduli()
    JKR contact of center-based cells: made at first touch, kept to pull-off
 ------------------------------------------------------------------------- */
 
-template <bool SISTERS> void PairDCMContact::compute_spheres(int eflag)
+template <bool SISTERS, bool SLOPE> void PairDCMContact::sphere_contacts(int eflag)
 {
   if (SISTERS) sister_force.assign(sister_list.size(), -DBL_MAX);
   double *const *const x = atom->x;
@@ -153,12 +153,14 @@ template <bool SISTERS> void PairDCMContact::compute_spheres(int eflag)
 
     const double a = jkr.contact_radius(delta);
     double force = jkr.force_of_radius(a), energy = eflag ? jkr.energy(delta) : 0.0;
+    double slope = SLOPE ? jkr.slope_of_radius(a) : 0.0;
     if (!(d > 0.0) || !std::isfinite(force)) fail_pair(i, j, delta, delta, force);
     const int s = SISTERS ? find_sisters(atom->molecule[i], atom->molecule[j]) : -1;
     if (SISTERS && s >= 0) {
       const dcm::HeldJKR held = {jkr, sister_list[s].scale, sister_list[s].most};
       sister_force[s] = std::max(sister_force[s], force);
       force = held.force_of_radius(a);
+      if (SLOPE) slope = held.slope_of_radius(a);
       if (eflag) energy = held.energy(delta);
     }
     const Vec3 u = del / d;
@@ -180,9 +182,20 @@ template <bool SISTERS> void PairDCMContact::compute_spheres(int eflag)
     if (want_partners) add_partner(atom->molecule[i], atom->molecule[j], patch);
     if (want_blocks)
       spheres.push_back({i, j, patch * mat.gt, patch * (mat.gn - mat.gt), {u[0], u[1], u[2]}});
+    if (SLOPE) {
+      sphere_stiffness.push_back(dcm::central_stiffness_block(force, slope, del));
+      sphere_stiffness.back().i = i;
+      sphere_stiffness.back().j = j;
+    }
     if (evflag) ev_tally(i, j, nlocal, 1, energy, 0.0, force / d, -del[0], -del[1], -del[2]);
   }
 }
 
-template void PairDCMContact::compute_spheres<false>(int);
-template void PairDCMContact::compute_spheres<true>(int);
+void PairDCMContact::compute_spheres(int eflag)
+{
+  if (sphere_pairs.empty() && sister_list.empty()) return;
+  if (sister_list.empty())
+    want_stiffness ? sphere_contacts<false, true>(eflag) : sphere_contacts<false, false>(eflag);
+  else
+    want_stiffness ? sphere_contacts<true, true>(eflag) : sphere_contacts<true, false>(eflag);
+}

@@ -11,7 +11,11 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
+#include "comm.h"
 #include "dcm_args.h"
+#include "dcm_unknowns.h"
+#include "law/friction.h"
+#include "law/stiffness.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
 #include "pair_dcm_contact.h"
@@ -24,15 +28,18 @@ using namespace FixConst;
 
 static const char STYLE[] = "Fix dcm/probe";
 
-// fix ID group dcm/probe [send yes|no] [every N]
+// fix ID group dcm/probe [send yes|no] [every N] [stiffness yes|no]
 
 FixDCMProbe::FixDCMProbe(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), send(true), every(1), values{}
+    Fix(lmp, narg, arg), cell(nullptr), contact(nullptr), send(true), stiff(false),
+    every(1), values{}
 {
-  DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"send", "every"});
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"send", "every", "stiffness"});
   while (args.next()) {
     if (args.is("send"))
       send = args.choose({"no", "yes"}) == 1;
+    else if (args.is("stiffness"))
+      stiff = args.choose({"no", "yes"}) == 1;
     else
       every = (int) args.whole();
   }
@@ -41,6 +48,7 @@ FixDCMProbe::FixDCMProbe(LAMMPS *lmp, int narg, char **arg) :
   global_freq = 1;
   extvector = 0;
   nevery = 1;
+  comm_forward = 1;
 }
 
 int FixDCMProbe::setmask()
@@ -54,6 +62,7 @@ void FixDCMProbe::init()
   adjacency = cell->request_adjacency();
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   if (contact) partners = contact->request_partners(every);
+  if (contact && stiff) stiffness = contact->request_stiffness();
 }
 
 void FixDCMProbe::setup(int)
@@ -101,6 +110,7 @@ void FixDCMProbe::end_of_step()
     values[GHOSTS] += 1.0;
     if (dcm->region[i] != wanted(i)) values[STALE] += 1.0;
   }
+  if (stiffness) values[STIFFNESS] = contact_stiffness();
   MPI_Allreduce(MPI_IN_PLACE, values, NVALUES, MPI_DOUBLE, MPI_SUM, world);
 
   if (!contact) return;
@@ -108,6 +118,43 @@ void FixDCMProbe::end_of_step()
     values[PAIRS] += 1.0;
     values[PAIR_AREA] += pair.area;
   }
+}
+
+/* ----------------------------------------------------------------------
+   this process' share of v K v, as a solver would have it
+------------------------------------------------------------------------- */
+
+double FixDCMProbe::contact_stiffness()
+{
+  owner.assign(atom->nlocal + atom->nghost, comm->me);
+  comm->forward_comm(this, 1);
+  dcm::FrictionSystem system;
+  dcm::FrictionComm messages(world);
+  DCMUnknowns unknowns(lmp, system, messages);
+  unknowns.number(groupbit, owner);
+  dcm::StiffnessSystem blocks;
+  contact->add_stiffness(blocks, unknowns);
+
+  std::vector<int> moving;
+  for (int i = 0; i < atom->nlocal + atom->nghost; i++)
+    if (atom->molecule[i] == 1 && unknowns.moves(i, groupbit)) moving.push_back(unknowns(i));
+  std::vector<double> v((size_t) dcm::STRIDE * (system.nall + 1), 0.0), y = v;
+  for (const int slot : moving) v[(size_t) dcm::STRIDE * slot] = 1.0;
+  struct {
+    void sum(double *, int) {}
+  } alone;    // contacts need no sums over cells
+  return blocks.apply(1.0, v.data(), y.data(), alone);
+}
+
+int FixDCMProbe::pack_forward_comm(int n, int *list, double *buf, int, int *)
+{
+  for (int i = 0; i < n; i++) buf[i] = owner[list[i]];
+  return n;
+}
+
+void FixDCMProbe::unpack_forward_comm(int n, int first, double *buf)
+{
+  for (int i = 0; i < n; i++) owner[first + i] = buf[i];
 }
 
 double FixDCMProbe::compute_vector(int i)

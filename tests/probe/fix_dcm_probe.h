@@ -20,6 +20,8 @@ FixStyle(dcm/probe,FixDCMProbe);
 #include "dcm_request.h"
 #include "fix.h"
 
+#include <vector>
+
 namespace LAMMPS_NS {
 
 // For tests only: asks fix dcm/cell and the pair style for what no shipped style asks for yet, and
@@ -34,6 +36,8 @@ class FixDCMProbe : public Fix {
   void setup(int) override;
   void end_of_step() override;
   double compute_vector(int) override;
+  int pack_forward_comm(int, int *, double *, int, int *) override;
+  void unpack_forward_comm(int, int, double *) override;
 
  private:
   enum {    // places in the vector, summed over ranks
@@ -46,15 +50,19 @@ class FixDCMProbe : public Fix {
     STALE,        // of them with a region that is not their owner's
     PAIRS,        // of cells in contact
     PAIR_AREA,    // sum over them
+    STIFFNESS,    // v K v of contacts, with the cell of molecule 1 moving along x by 1
     NVALUES
   };
   class FixDCMCell *cell;
   class PairDCMContact *contact;
-  DCMRequest<> adjacency;
+  DCMRequest<> adjacency, stiffness;
   DCMRequest<int> partners;
-  bool send;
+  bool send, stiff;
   int every;    // contact areas per pair of cells
   double values[NVALUES];
+  std::vector<double> owner;    // process of every owned and ghost atom
+
+  double contact_stiffness();
 };
 
 }    // namespace LAMMPS_NS

@@ -1,5 +1,5 @@
 """What fix dcm/cell and the pair style offer to styles to come: adjacency, regions of ghost faces,
-contact areas per pair of cells; asked for by fix dcm/probe, in tests/probe."""
+contact areas per pair of cells, stiffness of contacts; asked for by fix dcm/probe, in tests/probe."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,8 @@ import pytest
 
 from support.bad_decks import whole
 
-NAMES = ["nodes", "around", "fewest", "edges", "both", "ghosts", "stale", "pairs", "pair_area"]
+NAMES = ["nodes", "around", "fewest", "edges", "both", "ghosts", "stale", "pairs", "pair_area",
+         "stiffness"]
 
 
 @pytest.fixture
@@ -64,3 +65,59 @@ def test_contact_areas_of_pairs_every_third_step(lmp, scenes, np_):
             assert 2 * row["pair_area"] == pytest.approx(row["covered"], rel=1e-12)
         else:
             assert 2 * row["pair_area"] != pytest.approx(row["covered"], rel=1e-6)
+
+
+def push(lmp, scenes, scene, np_, shifts, options="stiffness yes"):
+    """Force along x on the cell of molecule 1, shifted along x, and its stiffness by the probe."""
+    deck = whole(scene, contact=scene.contact(coeff="W 0"), motion="", extra=f"""
+fix probe all dcm/probe {options}
+group one molecule 1
+compute push one reduce sum fx
+""")  # fmt: skip
+    deck += scenes.thermo(["push=c_push", f"stiffness=f_probe[{len(NAMES)}]"])
+    for shift in shifts:
+        deck += f"displace_atoms one move {shift!r} 0 0 units box\nrun 0\n"
+    result = lmp(deck, np=np_)
+    return [(run[0]["v_push"], run[0]["v_stiffness"]) for run in result.runs]
+
+
+def spheres_on_a_line(scenes):
+    scene = scenes.Scene(20.0, boundary="f f f")
+    scene.cbm(-5.0, 0.0, 0.0, 6.0)
+    scene.cbm(5.4, 0.0, 0.0, 6.0)
+    return scene
+
+
+def cell_and_sphere(scenes):
+    scene = scenes.Scene(20.0, level=2)
+    scene.dcm(-5.7, 0.0, 0.0, 6.0)
+    scene.cbm(5.9, 0.0, 0.0, 6.0)
+    return scene
+
+
+SCENES = {
+    "faces": (lambda scenes: scenes.doublet(level=2, gap=-0.6), 0.03),
+    "mixed": (cell_and_sphere, 0.03),
+    "spheres": (spheres_on_a_line, 1e-6),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_stiffness_is_the_derivative_of_the_force(lmp, scenes, name):
+    """One cell shifted against the other, without adhesion, so that nothing is left out as
+    negative. What the blocks do not have: axes of faces that turn, a few percent."""
+    build, tolerance = SCENES[name]
+    e = 1e-4
+    left, right, middle = push(lmp, scenes, build(scenes), 1, [-e, 2 * e, -e])
+    assert middle[1] == pytest.approx((left[0] - right[0]) / (2 * e), rel=tolerance)
+    assert middle[1] > 1.0
+    assert push(lmp, scenes, build(scenes), 1, [0.0], "")[0][1] == 0.0  # nobody asks
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_stiffness_on_more_ranks(lmp, scenes, name):
+    build = SCENES[name][0]
+    alone = push(lmp, scenes, build(scenes), 1, [0.0])[0]
+    for np_ in (2, 3, 4):
+        shared = push(lmp, scenes, build(scenes), np_, [0.0])[0]
+        assert shared[1] == pytest.approx(alone[1], rel=1e-12)

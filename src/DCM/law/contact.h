@@ -19,6 +19,8 @@
 #include "overlap.h"
 #include "radial_integral.h"
 
+#include <type_traits>
+
 namespace dcm {
 
 /// A triangle with its circumscribing sphere. What rejects a pair stands first (cache lines).
@@ -41,8 +43,9 @@ struct ContactResult {
   double wf[3], wg[3];    ///< each sums to force: vertex k of f gets -wf[k] u, of g +wg[k] u
   double area;            ///< part of the common polygon with r <= c
   double bf[3], bg[3];    ///< barycentric weights (sum 1, within 0..1) of that part's centroid
+  double slope;           ///< dF/d delta at fixed polygon, of either sign; only if asked for
 
-  /// Count the contact by a weight only.
+  /// Count the contact by a weight only; the slope, which few ask for, is left as it is.
   void scale(double weight)
   {
     force *= weight;
@@ -191,6 +194,29 @@ namespace detail {
     centroid_weights(t, inv2area, sum, b);
   }
 
+  template <class State, bool SLOPE>
+  using Sums = std::conditional_t<SLOPE && State::EXACT_CORE, RadialSumsAndSlope, RadialSums>;
+
+  /// Slope of a law's force at fixed polygon by a secant, narrow against the range of adhesion: for
+  /// laws that have none in closed form. Where there is no contact on one side, that of the other.
+  template <class State>
+  double secant(const ContactMaterial &mat, double R, double delta, const Boundary2 &poly,
+                int npoints, bool existing, double force)
+  {
+    constexpr double WIDTH = 0.02;
+    const double e = WIDTH * (mat.sigma0() > 0.0 ? mat.h0 : delta);
+    double side[2] = {force, force}, span = 0.0;
+    for (int k = 0; k < 2; k++) {
+      State state;
+      if (!state.set(mat, R, k ? delta + e : delta - e, existing)) continue;
+      RadialSums sum;
+      radial_integral(state, poly, npoints, sum);
+      side[k] = sum.force;
+      span += e;
+    }
+    return span > 0.0 ? (side[1] - side[0]) / span : 0.0;
+  }
+
 }    // namespace detail
 
 /// How far a face looks along the axis of a contact, from the cosine between its normal and the
@@ -207,6 +233,7 @@ inline double facing(double cosine)
 /// Contact of two faces.
 /// \param npoints  Gauss points per edge piece inside the core of the contact, 1 to 4
 /// \param existing the pair was in contact before: law maugis then keeps its neck below -h0
+/// \tparam SLOPE   give out.slope as well; moving g along u by s changes the force by -slope s
 /// \return false, cheaply, where there is none: faces that look away from each other, are too far,
 ///         do not overlap in projection, or whose sphere centers coincide (no axis)
 ///
@@ -214,7 +241,7 @@ inline double facing(double cosine)
 /// axis out of the cavity's wall, delta = R_f + R_g + d, 1/R = 1/R_f + 1/R_g. Where that does not
 /// define a point contact (conforming radii, two concave faces) the concave face counts as convex
 /// with the same |R|.
-template <class State>
+template <class State, bool SLOPE = false>
 bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMaterial &mat,
                int npoints, ContactResult &out, bool existing = false)
 {
@@ -258,9 +285,14 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
 
   State state;
   if (!state.set(mat, R, delta, existing)) return false;
-  RadialSums sum;
+  detail::Sums<State, SLOPE> sum;
+  if constexpr (sum.SLOPE) sum.law = state.slope(mat, R, delta);
   radial_integral(state, poly, npoints, sum);
   if (!(sum.area > 0.0)) return false;
+  if constexpr (sum.SLOPE)
+    out.slope = sum.slope;
+  else if constexpr (SLOPE)
+    out.slope = detail::secant<State>(mat, R, delta, poly, npoints, existing, sum.force);
 
   out.u = u;
   out.delta = delta;
@@ -277,7 +309,7 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
 /// the other side. The sphere gets +force u at its center: wg = {force, 0, 0}, bg = {1, 0, 0}.
 /// A single face is pushed off-axis, so its torque is balanced only in the sum over the faces under
 /// the sphere (exactly where they share one sphere). Concave faces: as in face_face().
-template <class State>
+template <class State, bool SLOPE = false>
 bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
                  const ContactMaterial &mat, int npoints, ContactResult &out, bool existing = false)
 {
@@ -313,9 +345,14 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
   }
   State state;
   if (!state.set(mat, R, delta, existing)) return false;
-  RadialSums sum;
+  detail::Sums<State, SLOPE> sum;
+  if constexpr (sum.SLOPE) sum.law = state.slope(mat, R, delta);
   radial_integral(state, poly, npoints, sum);
   if (!(sum.area > 0.0)) return false;
+  if constexpr (sum.SLOPE)
+    out.slope = sum.slope;
+  else if constexpr (SLOPE)
+    out.slope = detail::secant<State>(mat, R, delta, poly, npoints, existing, sum.force);
 
   out.u = u;
   out.delta = delta;

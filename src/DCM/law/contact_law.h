@@ -23,6 +23,15 @@
 //   p(r), Q0(r), Q1(r)       Q0 = int_0^r p s ds, Q1 = int_0^r p s^2 ds
 //   force()                  2 pi Q0(c), the force on the full circle
 //
+// For an implicit step, a law of exact core also gives the slope of its force at fixed polygon,
+// dF/d delta = int dp/d delta dA, which takes d Q0/d delta at fixed r in the places of Q0:
+//
+//   slope(material, R, delta)   RadialSlope: in the ring, beyond c, and what core_edge<true>() is
+//   to
+//                               be multiplied with
+//
+// Laws without it are differenced, see contact.h.
+//
 // Units are whatever is consistent: lengths um, forces nN, stresses kPa in all decks.
 
 #ifndef DCM_CONTACT_LAW_H
@@ -47,6 +56,13 @@ struct ContactMaterial {
   double sigma0() const { return W > 0.0 && h0 > 0.0 ? W / h0 : 0.0; }
   /// Smallest overlap of a new contact: surfaces closer than h0.
   double first_touch() const { return W > 0.0 ? -h0 : 0.0; }
+};
+
+/// d Q0/d delta at fixed distance from the axis (force/length per angle), see top of file.
+struct RadialSlope {
+  double core = 0.0;    ///< factor of the edge integrals in the core
+  double ring = 0.0;    ///< a < r <= c
+  double out = 0.0;     ///< r > c: softens (< 0) where the ring moves outwards faster than the core
 };
 
 namespace detail {

@@ -53,7 +53,11 @@ struct DmtState : RadialLaw<DmtState> {
   ///   int Q0 h/r^2 dt   = (k/3) [a^3 (theta - chi) + h (3a^2-h^2)/2 asin(t/b) + h t w/2],
   ///                       tan theta = t/h, tan chi = a t/(h w), b^2 = a^2 - h^2, k = 2 E/(pi R)
   ///   int Q1 h t/r^3 dt = h [Q0 - Q1/r],   int Q1 h^2/r^3 dt = [Q1 t/r] - int p t^2 dt
-  void core_edge(double h, double t0, double t1, double &f, double &normal, double &along) const
+  /// slope: int (a - w) h/r^2 dt = a (theta - chi) + h asin(t/b), the edge integral of the slope
+  /// dp/d delta = (E/pi)/w over E/pi.
+  template <bool SLOPE = false>
+  void core_edge(double h, double t0, double t1, double &f, double &normal, double &along,
+                 [[maybe_unused]] double *slope = nullptr) const
   {
     const double a2 = a * a, a3 = a * a2, h2 = h * h, b2 = std::max(0.0, a2 - h2);
     const double s0 = t0 * t0, s1 = t1 * t1;
@@ -64,6 +68,7 @@ struct DmtState : RadialLaw<DmtState> {
     const double re1 = h2 * w1 + a * s1, im1 = h * t1 * (w1 - a);
     const double lag = detail::angle(im1 * re0 - re1 * im0, re0 * re1 + im0 * im1);
     const double arc = detail::angle(t1 * w0 - t0 * w1, w0 * w1 + t0 * t1);
+    if constexpr (SLOPE) *slope = a * lag + h * arc;
     const double k3 = hertz / 3.0;
     f = k3 * (a3 * lag + 0.5 * h * ((3.0 * a2 - h2) * arc + t1 * w1 - t0 * w0));
     // Q1/r
@@ -80,11 +85,37 @@ struct DmtState : RadialLaw<DmtState> {
   }
 
   double core_p(double r2) const { return hertz * std::sqrt(std::max(0.0, a * a - r2)); }
+
+  /// Slopes of this state at the R and delta of its set(). The ring: its inner edge gives way,
+  /// d(a^2)/d delta = R. Beyond: its outer edge moves out, d(c^2)/d delta = 2 R where the surfaces
+  /// are not deformed, else, with c^2 = a^2 (1 + y^2) and f(y) = pi h0/delta (gap_function),
+  /// R [1 + y^2 - f/(f'/2y)].
+  RadialSlope slope(const ContactMaterial &m, double R, double delta) const
+  {
+    RadialSlope s;
+    s.core = 0.5 * hertz * R;    // E/pi
+    if (a > 0.0) s.ring = s.core * a + 0.5 * sigma0 * R;
+    s.out = s.ring;
+    if (!(sigma0 > 0.0)) return s;
+    double growth = 2.0 * R;
+    if (!undeformed(delta, m.h0)) {
+      const double y2 = std::max(0.0, c * c / (a * a) - 1.0), y = std::sqrt(y2);
+      double phi;
+      const double f = detail::gap_function(y, phi);
+      if (y > 0.0) growth = R * (1.0 + y2 - f / (phi + y / (1.0 + y2)));
+    }
+    s.out -= 0.5 * sigma0 * growth;
+    return s;
+  }
+
+  /// Is the gap that of undeformed spheres?
+  static bool undeformed(double delta, double h0) { return delta <= 1e-9 * h0; }
+
   /// c from gap(c) = h0, gap(r) = [a sqrt(r^2-a^2) - (2a^2-r^2) acos(a/r)]/(pi R); for
   /// delta <= 0 the gap of the undeformed spheres. Relative error 1e-14.
   static double cohesive_radius(double R, double delta, double h0)
   {
-    if (delta <= 1e-9 * h0) return std::sqrt(2.0 * R * (h0 + delta));
+    if (undeformed(delta, h0)) return std::sqrt(2.0 * R * (h0 + delta));
     // with r = a sqrt(1+y^2): gap = a^2 f(y)/(pi R), a^2 = R delta; two Newton steps of third
     // order from a start that is right at both ends
     const double target = PI * h0 / delta;

@@ -13,6 +13,7 @@
 #ifndef DCM_JKR_H
 #define DCM_JKR_H
 
+#include "friction_blocks.h"
 #include "vector.h"
 
 #include <algorithm>
@@ -89,6 +90,16 @@ struct JKR {
     return 4.0 * E * a * a * a / (3.0 * R) - std::sqrt(8.0 * PI * sigma * E * a * a * a);
   }
 
+  /// dF/d delta as a function of the contact radius, nN/um; 0 at pull-off and above it before.
+  double slope_of_radius(double a) const
+  {
+    const double root = std::sqrt(a);
+    const double dF = 4.0 * E * a * a / R - 1.5 * std::sqrt(8.0 * PI * sigma * E) * root;
+    const double ddelta =
+        2.0 * a / R - (sigma > 0.0 ? 0.5 * std::sqrt(2.0 * PI * sigma / E) / root : 0.0);
+    return dF > 0.0 && ddelta > 0.0 ? dF / ddelta : 0.0;
+  }
+
   /// Overlap as a function of the contact radius, um (S1 eq 15).
   double overlap_of_radius(double a) const
   {
@@ -145,6 +156,13 @@ struct HeldJKR {
     return most > 0.0 ? std::min(force, most) : force;
   }
 
+  /// dF/d delta as a function of the contact radius, nN/um; none at the limit.
+  double slope_of_radius(double a) const
+  {
+    const bool limited = most > 0.0 && scale * full.force_of_radius(a) > most;
+    return limited ? 0.0 : scale * full.slope_of_radius(a);
+  }
+
   /// Force at an overlap, nN.
   double force(double delta) const { return force_of_radius(full.contact_radius(delta)); }
 
@@ -157,6 +175,22 @@ struct HeldJKR {
     return scale * full.energy(begin) + most * (delta - begin);
   }
 };
+
+/// Stiffness of a force that two spheres exert along the line through their centers, for a linearly
+/// implicit step: the positive semidefinite part of -dF/dx,
+///
+///   (dF/d delta) u u^T - (F/d) (I - u u^T),
+///
+/// force > 0 pushing them apart, del from i to j and not zero. Indices are the caller's.
+inline EdgeBlock central_stiffness_block(double force, double slope, const Vec3 &del)
+{
+  const double d = del.norm();
+  EdgeBlock b = {};
+  b.iso = std::max(0.0, -force / d);
+  b.along = std::max(0.0, slope) - b.iso;
+  vec(b.e) = del / d;
+  return b;
+}
 
 }    // namespace dcm
 

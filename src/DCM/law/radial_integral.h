@@ -22,8 +22,16 @@ namespace dcm {
 
 /// Integrals over a polygon: stress and uniform density 1 inside r <= c, with first moments.
 struct RadialSums {
+  static constexpr bool SLOPE = false;
   double force = 0.0, mx = 0.0, my = 0.0;    ///< int p dA, int p x dA, int p y dA
   double area = 0.0, ax = 0.0, ay = 0.0;     ///< int dA, int x dA, int y dA over r <= c
+};
+
+/// The same and d(force)/d delta at fixed polygon, for laws that have it (contact_law.h).
+struct RadialSumsAndSlope : RadialSums {
+  static constexpr bool SLOPE = true;
+  RadialSlope law;       ///< to be set before
+  double slope = 0.0;    ///< force/length
 };
 
 namespace detail {
@@ -84,8 +92,8 @@ namespace detail {
 
 /// Add the integrals over the polygon with the given boundary; coordinates relative to the axis.
 /// \param npoints Gauss points per piece of edge in the core, 1 to 4
-template <class State>
-inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, RadialSums &sum)
+template <class State, class Sums>
+inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, Sums &sum)
 {
   const double *node, *weight;
   detail::gauss_rule(npoints, node, weight);
@@ -103,6 +111,14 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
     sum.area += 0.5 * c2 * turn;
     sum.ax += c2 * s.c / 3.0 * fan.ux;
     sum.ay += c2 * s.c / 3.0 * fan.uy;
+    if constexpr (Sums::SLOPE) sum.slope += sum.law.out * turn;
+  };
+  const auto ring_edge = [&](const detail::Fan &fan) {
+    const double turn = fan.turn();
+    sum.force += ring0 * turn;
+    sum.mx += ring1 * fan.ux;
+    sum.my += ring1 * fan.uy;
+    if constexpr (Sums::SLOPE) sum.slope += sum.law.ring * turn;
   };
 
   // first the circle r = c: many polygons lie beyond it, some enclose it
@@ -128,6 +144,7 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
     if (enclosed && poly.n > 0) {
       sum.force += 2.0 * PI * s.Q0c;
       sum.area += PI * c2;
+      if constexpr (Sums::SLOPE) sum.slope += 2.0 * PI * sum.law.out;
     }
     return;
   }
@@ -163,9 +180,7 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
       if (a2 > 0.0) {
         detail::Fan ring;
         ring.add(lx, ly, hx, hy, within);
-        sum.force += ring0 * ring.turn();
-        sum.mx += ring1 * ring.ux;
-        sum.my += ring1 * ring.uy;
+        ring_edge(ring);
       }
       sum.force -= 0.5 * s.sigma0 * within;
       sum.mx -= s.sigma0 * within * (lx + hx) / 6.0;
@@ -189,16 +204,20 @@ inline void radial_integral(const State &s, const Boundary2 &poly, int npoints, 
         sum.mx -= s.sigma0 * part * (hx + qx) / 6.0;
         sum.my -= s.sigma0 * part * (hy + qy) / 6.0;
       }
-      sum.force += ring0 * ring.turn();
-      sum.mx += ring1 * ring.ux;
-      sum.my += ring1 * ring.uy;
+      ring_edge(ring);
     }
 
     if constexpr (State::EXACT_CORE) {
       const double len = std::sqrt(len2), inv = 1.0 / len;
       const double tx = dx * inv, ty = dy * inv, h = cross * inv, t = b * inv;
       double f, normal, along;
-      s.core_edge(h, t + la * len, t + ha * len, f, normal, along);
+      if constexpr (Sums::SLOPE) {
+        double slope;
+        s.template core_edge<true>(h, t + la * len, t + ha * len, f, normal, along, &slope);
+        sum.slope += sum.law.core * slope;
+      } else {
+        s.core_edge(h, t + la * len, t + ha * len, f, normal, along);
+      }
       sum.force += f;
       sum.mx += normal * ty + along * tx;
       sum.my += along * ty - normal * tx;

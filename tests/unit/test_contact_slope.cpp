@@ -1,0 +1,263 @@
+// LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
+
+// Slopes of the contact forces, for implicit steps: closed forms against finite differences of the
+// forces, over random common parts of faces, across kinks, and for whole spheres.
+
+#include "law/contact.h"
+#include "law/jkr.h"
+#include "law/mesh.h"
+#include "law/stiffness.h"
+#include "helpers.h"
+
+#include <Eigen/Dense>
+
+using namespace dcm;
+using namespace dcm_test;
+
+namespace {
+
+Random rng(int purpose)
+{
+  return Random(4712, purpose, 0, RandomPurpose{});
+}
+
+ContactMaterial material(double W = 0.1, double h0 = 0.35)
+{
+  ContactMaterial m;
+  m.E = 2.98;
+  m.W = W;
+  m.h0 = h0;
+  return m;
+}
+
+double force_of(const ContactResult &r)
+{
+  return r.force;
+}
+
+// two faces of random shape that look at each other across a gap or overlap
+struct Pair {
+  Vec3 x[2][3];
+  double R[2];
+
+  explicit Pair(Random &random)
+  {
+    const Mat3 turn = random_rotation(random);
+    const double gap = 0.9 * random.uniform() - 0.6;    // -0.6: overlap, 0.3: apart
+    for (int side : {0, 1}) {
+      const double phase = 2.0 * PI * random.uniform();
+      const Vec3 off(0.8 * random.uniform(), 0.8 * random.uniform(), side ? gap : 0.0);
+      for (int k = 0; k < 3; k++) {
+        const double angle = phase + (side ? -1 : 1) * 2.0 * PI * k / 3.0 + 0.5 * random.uniform();
+        const double r = 0.7 + 0.6 * random.uniform();
+        x[side][k] = turn * (off + Vec3(r * std::cos(angle), r * std::sin(angle),
+                                        0.1 * (random.uniform() - 0.5)));
+      }
+      R[side] = 5.0 + 60.0 * random.uniform() * random.uniform();
+    }
+  }
+  FaceGeometry face(int side, const Vec3 &shift = Vec3::Zero()) const
+  {
+    return make_face(x[side][0] + shift, x[side][1] + shift, x[side][2] + shift, R[side]);
+  }
+};
+
+template <class State> class ContactSlope : public testing::Test {
+};
+using Laws = testing::Types<DmtState, MaugisState>;
+TYPED_TEST_SUITE(ContactSlope, Laws);
+
+constexpr bool exact(const DmtState &)
+{
+  return true;
+}
+constexpr bool exact(const MaugisState &)
+{
+  return false;    // a secant
+}
+
+}    // namespace
+
+// moving g along u changes neither u nor the projections: the derivative at fixed polygon
+TYPED_TEST(ContactSlope, IsTheDerivativeAlongTheAxis)
+{
+  Random random = rng(1);
+  const bool closed = exact(TypeParam());
+  int met = 0, negative = 0, kinks = 0;
+  for (int trial = 0; trial < 20000; trial++) {
+    const Pair pair(random);
+    const ContactMaterial m = material(trial % 5 ? 0.1 : 0.0, trial % 3 ? 0.35 : 0.1);
+    const FaceGeometry f = pair.face(0);
+    ContactResult r, plain;
+    if (!face_face<TypeParam, true>(f, pair.face(1), m, 2, r)) continue;
+    ASSERT_TRUE((face_face<TypeParam>(f, pair.face(1), m, 2, plain)));
+    ASSERT_EQ(force_of(plain), force_of(r));    // asking for the slope changes nothing else
+    ASSERT_EQ(plain.area, r.area);
+    auto slope = [&](double e) {
+      double side[2] = {0.0, 0.0};
+      for (int k : {0, 1}) {
+        ContactResult moved;
+        if (face_face<TypeParam>(f, pair.face(1, (k ? e : -e) * r.u), m, 2, moved))
+          side[k] = moved.force;
+      }
+      return (side[0] - side[1]) / (2.0 * e);
+    };
+    const double e = closed ? 1e-6 : 0.02 * m.h0, numeric = slope(e), wider = slope(2.0 * e);
+    met++;
+    if (r.slope < 0.0) negative++;
+    const double scale = m.E + m.sigma0();
+    // a circle that passes through a corner, or first touch: the derivative has a root or a jump
+    if (std::fabs(numeric - wider) > (closed ? 1e-5 : 0.05) * scale) {
+      kinks++;
+      continue;
+    }
+    if (m.W == 0.0 && !closed) continue;    // narrower there
+    ASSERT_NEAR(r.slope, numeric, (closed ? 2e-5 : 1e-9) * scale) << trial << " " << r.delta;
+  }
+  EXPECT_GT(met, 5000);
+  if (closed) {    // softening of the ring is seen
+    EXPECT_GT(negative, met / 50);
+  }
+  EXPECT_LT(kinks, met / 20);
+}
+
+// near every kink the slope stays between its values on both sides, and bounded
+TYPED_TEST(ContactSlope, AcrossKinks)
+{
+  const ContactMaterial m = material();
+  Pair pair = [] {
+    Random random = rng(2);
+    return Pair(random);
+  }();
+  for (int side : {0, 1}) {    // plane, parallel, equal: the axis through the middle, corners alike
+    for (int k = 0; k < 3; k++) {
+      const double angle = (side ? -1 : 1) * 2.0 * PI * k / 3.0;
+      pair.x[side][k] = Vec3(std::cos(angle), std::sin(angle), 0.0);
+    }
+    pair.R[side] = 6.0;
+  }
+  ContactResult r;
+  double last = 0.0, force = 0.0, area = 0.0, work = 0.0;
+  const double step = 1e-5;
+  for (double gap = 0.6; gap > -0.6; gap -= step) {
+    const bool met =
+        face_face<TypeParam, true>(pair.face(0), pair.face(1, Vec3(0, 0, gap)), m, 2, r);
+    const double now = met ? r.slope : 0.0;
+    ASSERT_TRUE(std::isfinite(now)) << gap;
+    ASSERT_LT(std::fabs(now), 20.0 * (m.E + m.sigma0() * pair.R[0])) << gap;
+    if (met) {
+      if (area > 0.0) work += 0.5 * (now + last) * step;
+      if (area == 0.0) force = r.force;
+      area = r.area;
+    }
+    last = now;
+  }
+  // its integral is the force, kinks included
+  EXPECT_NEAR(force + work, r.force, (exact(TypeParam()) ? 1e-3 : 2e-2) * (1.0 + r.force));
+}
+
+// two spheres of triangles: slopes add up to that of the spheres, exactly, since all pairs share
+// the axis
+TYPED_TEST(ContactSlope, OfWholeSpheres)
+{
+  const Mesh ball = icosphere(3);
+  Random random = rng(3);
+  for (double W : {0.0, 0.01}) {
+    const ContactMaterial m = material(W, 0.02);
+    for (double delta : {-0.01, 0.01, 0.04}) {
+      const Vec3 shift = (2.0 - delta) * random_rotation(random).col(0);
+      const Mat3 turn = random_rotation(random);
+      std::vector<FaceGeometry> F, G;
+      for (const auto &t : ball.faces) {
+        Vec3 a[3];
+        for (int k = 0; k < 3; k++) a[k] = ball.nodes[t[k]];
+        F.push_back(make_face(a[0], a[1], a[2], 1.0));
+        for (auto &y : a) y = turn * y + shift;
+        G.push_back(make_face(a[0], a[1], a[2], 1.0));
+      }
+      double sum = 0.0, with_sphere = 0.0;
+      ContactResult r;
+      for (const auto &f : F) {
+        if (face_sphere<TypeParam, true>(f, shift, 1.0, m, 4, r)) with_sphere += r.slope;
+        for (const auto &g : G)
+          if (face_face<TypeParam, true>(f, g, m, 4, r)) sum += r.slope;
+      }
+      auto force = [&](double d) {
+        TypeParam s;
+        return s.set(m, 0.5, d) ? s.force() : 0.0;
+      };
+      const double e = exact(TypeParam()) ? 1e-7 : 0.02 * (W > 0.0 ? m.h0 : delta);
+      const double whole = (force(delta + e) - force(delta - e)) / (2.0 * e);
+      const double scale = m.E + m.sigma0();
+      if (W == 0.0 && delta < 0.0) {
+        EXPECT_EQ(sum, 0.0);
+        continue;
+      }
+      const double tolerance = exact(TypeParam()) ? 1e-6 : 1e-3;
+      EXPECT_NEAR(sum, whole, tolerance * scale) << W << " " << delta;
+      EXPECT_NEAR(with_sphere, whole, tolerance * scale) << W << " " << delta;
+    }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   spheres
+------------------------------------------------------------------------- */
+
+TEST(JkrSlope, IsTheDerivative)
+{
+  for (const JKR &jkr : {JKR{2.0, 3.0, 0.1}, JKR{0.45, 3.0, 0.1}, JKR{2.0, 3.0, 0.0}}) {
+    const double begin = jkr.pull_off_displacement(), range = 0.5 * jkr.R - begin;
+    for (int i = 1; i <= 1000; i++) {
+      const double delta = begin + i * range / 1000, e = 1e-6 * range;
+      const double numeric = (jkr.force(delta + e) - jkr.force(delta - e)) / (2.0 * e);
+      const double slope = jkr.slope_of_radius(jkr.contact_radius(delta));
+      ASSERT_NEAR(slope / numeric, 1.0, 1e-5) << i;
+      for (double most : {0.0, 0.4})
+        for (double scale : {0.3, 1.0}) {
+          const HeldJKR held = {jkr, scale, most};
+          const double low = held.force(delta - e), high = held.force(delta + e);
+          if (most > 0.0 && low < most && high >= most) continue;    // the kink
+          ASSERT_NEAR(held.slope_of_radius(jkr.contact_radius(delta)), (high - low) / (2.0 * e),
+                      1e-5 * numeric);
+        }
+    }
+    // at pull-off, where the branch ends with slope zero
+    EXPECT_LT(jkr.slope_of_radius(jkr.contact_radius(begin)), 1e-6 * jkr.E * jkr.R);
+    EXPECT_EQ(jkr.slope_of_radius(0.0), 0.0);
+  }
+}
+
+TEST(JkrSlope, BlockIsThePositivePartOfTheJacobian)
+{
+  Random random = rng(5);
+  const JKR jkr = {2.0, 3.0, 0.1};
+  for (double delta : {-0.02, 0.001, 0.5}) {    // attraction twice, repulsion
+    const Vec3 del = (12.0 - delta) * random_rotation(random).col(0);
+    auto force = [&](const Vec3 &y) {
+      return Vec3(jkr.force(12.0 - y.norm()) * y / y.norm());
+    };
+    Mat3 J;
+    const double h = 1e-5;
+    for (int k = 0; k < 3; k++) {
+      const Vec3 e = h * Vec3::Unit(k);
+      J.col(k) = -(force(del + e) - force(del - e)) / (2.0 * h);
+    }
+    const double a = jkr.contact_radius(delta);
+    const EdgeBlock b =
+        central_stiffness_block(jkr.force_of_radius(a), jkr.slope_of_radius(a), del);
+    const Mat3 K = b.iso * Mat3::Identity() + b.along * vec(b.e) * vec(b.e).transpose();
+    EXPECT_GE(b.iso, 0.0);
+    EXPECT_GE(b.iso + b.along, 0.0);
+    const Eigen::SelfAdjointEigenSolver<Mat3> solved(J);
+    Mat3 positive = Mat3::Zero();
+    for (int k = 0; k < 3; k++)
+      positive += std::max(0.0, solved.eigenvalues()[k]) * solved.eigenvectors().col(k) *
+                  solved.eigenvectors().col(k).transpose();
+    EXPECT_LT((K - positive).norm(), 1e-6 * J.norm()) << delta;
+    EXPECT_EQ(b.iso > 0.0, jkr.force_of_radius(a) < 0.0);
+  }
+  const EdgeBlock none = central_stiffness_block(0.0, 0.0, Vec3(1, 0, 0));
+  EXPECT_EQ(none.iso, 0.0);
+  EXPECT_EQ(none.along, 0.0);
+}
