@@ -41,7 +41,8 @@ class DCMRole {
     MAKES_CELLS = 8U,       // cells appear in a run or change their kind: empty types may fill
     MAKES_READY = 16U,      // brings cells to phase READY, to divide
     HAS_TRACERS = 32U,      // touch_faces() tells what tracers are near to
-    FIXED_STEP = 64U        // its scheme in time needs steps of one length
+    FIXED_STEP = 64U,       // its scheme in time needs steps of one length
+    IMPLICIT = 128U         // wants the stiffness of all others as well
   };
 
   virtual unsigned traits() const { return 0U; }

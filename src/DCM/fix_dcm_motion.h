@@ -54,7 +54,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
 
-  unsigned traits() const override { return MOVES; }
+  unsigned traits() const override { return implicit ? MOVES | IMPLICIT : MOVES; }
 
  private:
   struct DCMAtoms *dcm;

@@ -128,7 +128,7 @@ void PairDCMContact::find_wanted()
 {
   want_stress = stress_requests.any();
   want_virial = virial_requests.any();
-  want_stiffness = stiffness_requests.any();
+  want_stiffness = (traits_of_deck & IMPLICIT) || stiffness_requests.any();
   want_blocks = (traits_of_deck & MOVES) || blocks_requests.any() || want_stiffness;
   want_partners = false;
   partner_requests.each([this](int every) {
