@@ -42,7 +42,8 @@ class DCMRole {
     MAKES_READY = 16U,      // brings cells to phase READY, to divide
     HAS_TRACERS = 32U,      // touch_faces() tells what tracers are near to
     FIXED_STEP = 64U,       // its scheme in time needs steps of one length
-    IMPLICIT = 128U         // wants the stiffness of all others as well
+    IMPLICIT = 128U,        // wants the stiffness of all others as well
+    CHOOSES_STEP = 256U     // and takes steps that others stand
   };
 
   virtual unsigned traits() const { return 0U; }

@@ -139,7 +139,7 @@ void FixDCMConfine::init()
   if (!(traits_of(lmp) & GIVES_PRESSURE))
     error->all(FLERR, "{}: pressure needs a fix dcm/volume, without it cells have no pressure",
                STYLE);
-  if (tau > 0.0 && tau < MIN_STEPS * update->dt)
+  if (!hold && tau > 0.0 && tau < MIN_STEPS * update->dt && !(traits_of(lmp) & CHOOSES_STEP))
     error->all(FLERR, "{}: tau is {}, must be at least {} time steps of {}", STYLE, tau, MIN_STEPS,
                update->dt);
 }

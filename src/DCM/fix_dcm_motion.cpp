@@ -40,7 +40,7 @@ static constexpr double KEEP = 2.0;
    fix ID group dcm/motion [FILE name1..nameN] [friction_ecm v] [tolerance t] [maxiter n]
                            [precondition block|jacobi|none] [maxmove m] [floor f]
                            [scheme explicit|implicit]
-                           [dt auto tol X [min A] [max B] [stop T]]
+                           [dt auto tol X [min A] [max B]] [stop T]
 ------------------------------------------------------------------------- */
 
 FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
@@ -50,12 +50,13 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   dcm = AtomVecDCM::require(lmp, STYLE);
   maxmove = 0.25;
   least_free = 1e-6;
-  implicit = automatic = stopping = ended = false;
+  implicit = automatic = ended = false;
   stop = std::numeric_limits<double>::infinity();
+  given = least = longest = 0.0;
   step = wanted = error_of_step = rejected = 0.0;
 
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
-               {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme", "dt"});
+               {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme", "dt", "stop"});
   parameters.parse(args, atom->ntypes);
   while (args.next()) {
     if (parameters.parse_keyword(args)) continue;
@@ -74,6 +75,8 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
       implicit = args.choose({"explicit", "implicit"}) == 1;
     } else if (args.is("dt")) {
       parse_step(args);
+    } else if (args.is("stop")) {
+      stop = args.number(DCMArgs::POSITIVE);
     } else {
       least_free = args.number(DCMArgs::NONNEGATIVE);
       args.check(least_free <= 1.0, "0 to 1");
@@ -237,10 +240,12 @@ void FixDCMMotion::solve(double keep)
   assemble();
   const double assembled = platform::walltime();
   const double between = messages.seconds;
-  if (automatic)
+  if (automatic) {
     choose_step(keep);
-  else
+  } else {
     solve_system(update->dt, keep);
+    begin_step(update->dt);
+  }
   const double solved = platform::walltime();
   const double after = messages.seconds;
 

@@ -38,6 +38,7 @@ namespace LAMMPS_NS {
 class FixDCMMotion : public Fix, public DCMRole {
  public:
   FixDCMMotion(class LAMMPS *, int, char **);
+  ~FixDCMMotion() override;
   int setmask() override;
   void init() override;
   void setup(int) override;
@@ -54,7 +55,10 @@ class FixDCMMotion : public Fix, public DCMRole {
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
 
-  unsigned traits() const override { return implicit ? MOVES | IMPLICIT : MOVES; }
+  unsigned traits() const override
+  {
+    return MOVES | (implicit ? IMPLICIT : 0U) | (automatic ? CHOOSES_STEP : 0U);
+  }
 
  private:
   struct DCMAtoms *dcm;
@@ -84,8 +88,10 @@ class FixDCMMotion : public Fix, public DCMRole {
   dcm::StepControl control;
   bool automatic;
   double step, wanted;                 // its length, and were there no event; 0: not known yet
+  double given;                        // timestep of the deck, which comes back with unfix
+  double least, longest;               // keywords min and max, 0: from that timestep
   double stop;                         // time at which runs end, infinite: never
-  bool stopping, ended;                // the coming step is the last one, was it
+  bool ended;                          // that time has come
   double error_of_step, rejected;      // of the coming step; since the start of the run
   std::vector<double> motion, motion_before;    // of cells: 4 numbers per row
   std::vector<RestAhead> ahead;        // per row, to the end of the coming step
@@ -114,6 +120,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   void begin_step(double);
   void set_step(double);
   void parse_step(class DCMArgs &);
+  void find_limits();
   void spread_velocity();
   std::vector<tagint> describe(int);
 };

@@ -43,33 +43,44 @@ static constexpr int RECORD = 1;    // version of the restart record
 static constexpr double LONGEST = 60.0;
 
 /* ----------------------------------------------------------------------
-   dt auto tol X [min A] [max B] [stop T]
+   dt auto tol X [min A] [max B]
 ------------------------------------------------------------------------- */
 
 void FixDCMMotion::parse_step(DCMArgs &args)
 {
   args.choose({"auto"});
   automatic = true;
-  control.least = control.longest = control.tolerance = 0.0;
+  given = update->dt;
   while (true) {
     if (args.word("tol"))
       control.tolerance = args.number(DCMArgs::POSITIVE, "dt auto tol");
     else if (args.word("min"))
-      control.least = args.number(DCMArgs::POSITIVE, "dt auto min");
+      least = args.number(DCMArgs::POSITIVE, "dt auto min");
     else if (args.word("max"))
-      control.longest = args.number(DCMArgs::POSITIVE, "dt auto max");
-    else if (args.word("stop"))
-      stop = args.number(DCMArgs::POSITIVE, "dt auto stop");
+      longest = args.number(DCMArgs::POSITIVE, "dt auto max");
     else
       break;
   }
   if (control.tolerance == 0.0)
     error->all(FLERR, "{}: dt auto needs tol, the error of a step, a length", STYLE);
-  if (control.least == 0.0)
-    control.least = control.longest > 0.0 ? std::min(update->dt, control.longest) : update->dt;
-  if (control.longest == 0.0) control.longest = LONGEST * control.least;
+  find_limits();
+}
+
+void FixDCMMotion::find_limits()
+{
+  control.least = least > 0.0 ? least : longest > 0.0 ? std::min(given, longest) : given;
+  control.longest = longest > 0.0 ? longest : LONGEST * control.least;
   if (control.least > control.longest)
     error->all(FLERR, "{}: dt auto min is {}, above max {}", STYLE, control.least, control.longest);
+}
+
+// the timestep of the deck comes back
+
+FixDCMMotion::~FixDCMMotion()
+{
+  if (!automatic || !(step > 0.0)) return;
+  update->update_time();
+  update->dt = given;
 }
 
 /* ----------------------------------------------------------------------
@@ -195,8 +206,7 @@ double FixDCMMotion::until_event(double h)
     if (left >= 1e-6 * h) first = std::min(first, left);
   }
   const double dt = control.until(h, first), left = stop - now;
-  stopping = left <= dt * (1.0 + 1e-9);
-  return stopping && left > 1e-9 * dt ? left : dt;
+  return left <= dt * (1.0 + 1e-9) && left > 1e-9 * dt ? left : dt;
 }
 
 /* ----------------------------------------------------------------------
@@ -209,8 +219,9 @@ void FixDCMMotion::begin_step(double dt)
     if (output->mode_dump[i] == 1 && output->next_dump[i] == update->ntimestep)
       modify->clearstep_compute();
   set_step(dt);
-  if (!stopping) return;
-  if (stop - cell->cells().time() < 0.5 * dt) {    // it has been taken
+  const double left = stop - cell->cells().time();
+  if (left > dt * (1.0 + 1e-9)) return;
+  if (left <= 1e-9 * dt) {    // the last step has been taken
     timer->force_timeout();
     ended = true;
     return;
@@ -252,8 +263,6 @@ int FixDCMMotion::modify_param(int narg, char **arg)
 {
   if (strcmp(arg[0], "stop") != 0) return 0;
   if (narg < 2) utils::missing_cmd_args(FLERR, "fix_modify stop", error);
-  if (!automatic)
-    error->all(FLERR, "{}: fix_modify {} stop needs dt auto in the fix; use run N", STYLE, id);
   stop = DCMArgs::number(lmp, STYLE, "fix_modify stop", arg[1], DCMArgs::POSITIVE);
   return 2;
 }
@@ -264,6 +273,7 @@ void FixDCMMotion::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
   DCMRecord record(lmp, STYLE, RECORD);
+  record.put(given);
   record.put(step);
   record.put(wanted);
   record.put(error_of_step);
@@ -274,7 +284,9 @@ void FixDCMMotion::restart(char *buf)
 {
   DCMRecord record(lmp, STYLE, RECORD);
   record.load(buf);
+  record.get(given);
   record.get(step);
   record.get(wanted);
   record.get(error_of_step);
+  find_limits();
 }

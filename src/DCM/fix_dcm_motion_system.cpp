@@ -76,8 +76,7 @@ void FixDCMMotion::assemble()
   add_ecm();
   system.merge();
 
-  // what the rest state of the end of the step changes of the forces comes in look_ahead()
-
+  ahead_forces.clear();    // come in look_ahead()
   const size_t n = (size_t) system.nall + 1;
   rhs.assign(STRIDE * n, 0.0);
   velocity.assign(STRIDE * n, 0.0);
