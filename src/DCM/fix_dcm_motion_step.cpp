@@ -144,10 +144,8 @@ double FixDCMMotion::change_of_velocity()
 {
   measure_cells(motion);
   double most = 0.0;
-  for (size_t n = 0; n < motion.size(); n++) {
-    const double d = motion[n] - (n < motion_before.size() ? motion_before[n] : 0.0);
-    most = std::max(most, std::fabs(d));
-  }
+  for (size_t n = 0; n < motion.size(); n++)
+    most = std::max(most, std::fabs(motion[n] - motion_before[n]));
   return most;
 }
 
@@ -168,6 +166,8 @@ void FixDCMMotion::choose_step(double keep)
     }
   }
 
+  messages.forward(velocity.data());    // those of the last step
+  measure_cells(motion_before);
   double h = wanted > 0.0 ? wanted : control.round_down(update->dt), dt;
   while (true) {
     dt = until_event(h);
@@ -183,7 +183,6 @@ void FixDCMMotion::choose_step(double keep)
   const bool cut = dt < 0.999 * h && error_of_step <= control.allowed(dt);    // by an event
   if (!cut) h = control.next(dt, error_of_step);
   wanted = h;
-  motion_before = motion;
   begin_step(dt);
 }
 

@@ -255,8 +255,14 @@ def measures(run):
     last = history["hour"][-1]
     end = [k for k, h in enumerate(history["hour"]) if h > last - END]
 
-    def mean(name):
-        return statistics.fmean(history[name][k] for k in end) if name in history else float("nan")
+    def mean(name):    # over time: rows are as far apart as the steps are long
+        if name not in history:
+            return float("nan")
+        hours, values = ([history[n][k] for k in end] for n in ("hour", name))
+        if hours[-1] == hours[0]:
+            return statistics.fmean(values)
+        return sum(0.5 * (a + b) * (t - s) for a, b, s, t in
+                   zip(values, values[1:], hours, hours[1:])) / (hours[-1] - hours[0])
 
     return dict(area=mean("section"), largest=max(history["section"]), lumens=mean("lumens"),
                 closure=mean("closure"), around=mean("around"),
