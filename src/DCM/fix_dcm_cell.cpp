@@ -351,6 +351,10 @@ void FixDCMCell::write_restart(FILE *fp)
 
 void FixDCMCell::restart(char *buf)
 {
+  // LAMMPS writes the time at which the time step last changed, and forgets what has passed since
+  // when a run begins; here, before that, the steps are still known
+
+  update->update_time();
   DCMRecord record(lmp, STYLE, RECORD);
   record.load(buf);
   table.get(record);
