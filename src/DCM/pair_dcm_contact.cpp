@@ -52,6 +52,8 @@ static constexpr size_t FAR_AHEAD = 16;
 extern template void PairDCMContact::compute_cells<dcm::DmtState, false, true>();
 extern template void PairDCMContact::compute_cells<dcm::MaugisState, false, true>();
 extern template void PairDCMContact::compute_cells<dcm::MaugisState, true, true>();
+extern template void PairDCMContact::compute_cells<dcm::FoundationState, false, false>();
+extern template void PairDCMContact::compute_cells<dcm::FoundationState, false, true>();
 
 template <class State, bool HISTORY>
 constexpr std::array<PairDCMContact::Contacts, 2> PairDCMContact::contacts_of()
@@ -62,7 +64,8 @@ constexpr std::array<PairDCMContact::Contacts, 2> PairDCMContact::contacts_of()
 
 const PairDCMContact::Law PairDCMContact::LAWS[] = {
     {"dmt", contacts_of<dcm::DmtState, false>(), {nullptr, nullptr}},
-    {"maugis", contacts_of<dcm::MaugisState, false>(), contacts_of<dcm::MaugisState, true>()}};
+    {"maugis", contacts_of<dcm::MaugisState, false>(), contacts_of<dcm::MaugisState, true>()},
+    {"foundation", contacts_of<dcm::FoundationState, false>(), {nullptr, nullptr}}};
 
 std::vector<std::string> PairDCMContact::law_names()
 {

@@ -9,7 +9,7 @@
 ------------------------------------------------------------------------- */
 
 // pair style dcm/contact: the friction and stiffness blocks of a step, handed over between unknowns
-// instead of local atoms; the laws with slopes
+// instead of local atoms; the laws with slopes, and laws after the first two
 
 #include "pair_dcm_contact.h"
 
@@ -25,6 +25,8 @@ using namespace LAMMPS_NS;
 template void PairDCMContact::compute_cells<dcm::DmtState, false, true>();
 template void PairDCMContact::compute_cells<dcm::MaugisState, false, true>();
 template void PairDCMContact::compute_cells<dcm::MaugisState, true, true>();
+template void PairDCMContact::compute_cells<dcm::FoundationState, false, false>();
+template void PairDCMContact::compute_cells<dcm::FoundationState, false, true>();
 
 /* ---------------------------------------------------------------------- */
 
