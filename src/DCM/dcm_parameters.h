@@ -46,6 +46,7 @@ class DCMParameters : protected Pointers, public DCMRanges {
 
   // take the values of the keyword if it is a parameter; for all names
   bool parse_keyword(DCMArgs &);
+  bool by_keyword(const std::string &keyword) const { return overrides.count(keyword) > 0; }
 
   // names from the deck if this style has none of its own; an error if there are none either
   void resolve();

@@ -16,6 +16,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_allgather.h"
+#include "dcm_contact_faces.h"
 #include "law/curvature.h"
 #include "law/volume.h"
 #include "error.h"
@@ -40,13 +41,19 @@ static constexpr int NREGION = AtomVecDCM::NREGION;
 
 static constexpr float ALWAYS = 1.0e9f;
 
-// cosine between the normals of faces that certainly look at each other
-
-static constexpr double OPPOSED = -0.7;
-
 // the faces of a pair lie anywhere in memory: fetch those of a later pair while computing this one
 
-static constexpr size_t AHEAD = 4, FAR_AHEAD = 16;
+static constexpr size_t FAR_AHEAD = 16;
+
+// the contact laws of keyword law: a new one is a header in law/ and a line here, at the end. Those
+// with slopes, and laws after the first two, are compiled in pair_dcm_contact_stiffness.cpp: what
+// the compiler inlines here, and so the last digit of forces, must not change with them.
+
+extern template void PairDCMContact::compute_cells<dcm::DmtState, false, true>();
+extern template void PairDCMContact::compute_cells<dcm::MaugisState, false, true>();
+extern template void PairDCMContact::compute_cells<dcm::MaugisState, true, true>();
+extern template void PairDCMContact::compute_cells<dcm::FoundationState, false, false>();
+extern template void PairDCMContact::compute_cells<dcm::FoundationState, false, true>();
 
 template <class State, bool HISTORY>
 constexpr std::array<PairDCMContact::Contacts, 2> PairDCMContact::contacts_of()
@@ -55,24 +62,16 @@ constexpr std::array<PairDCMContact::Contacts, 2> PairDCMContact::contacts_of()
           &PairDCMContact::compute_cells<State, HISTORY, true>};
 }
 
-// the contact laws of keyword law: a new one is a header in law/ and a line here, at the end
-
 const PairDCMContact::Law PairDCMContact::LAWS[] = {
     {"dmt", contacts_of<dcm::DmtState, false>(), {nullptr, nullptr}},
-    {"maugis", contacts_of<dcm::MaugisState, false>(), contacts_of<dcm::MaugisState, true>()}};
+    {"maugis", contacts_of<dcm::MaugisState, false>(), contacts_of<dcm::MaugisState, true>()},
+    {"foundation", contacts_of<dcm::FoundationState, false>(), {nullptr, nullptr}}};
 
 std::vector<std::string> PairDCMContact::law_names()
 {
   std::vector<std::string> names;
   for (const auto &law : LAWS) names.emplace_back(law.name);
   return names;
-}
-
-static inline void prefetch(const dcm::FaceGeometry *face)
-{
-  const char *bytes = reinterpret_cast<const char *>(face);
-  for (size_t line = 0; line < sizeof(dcm::FaceGeometry); line += 64)
-    __builtin_prefetch(bytes + line);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -217,179 +216,6 @@ void PairDCMContact::find_candidates()
     n += close & ((beside & touching) | (bound > 0.5f * ALWAYS));
   }
   candidates.resize(n);
-}
-
-/* ----------------------------------------------------------------------
-   contacts of deformable cells; the law, and whether it remembers who has touched, are fixed
-   before the loops
-------------------------------------------------------------------------- */
-
-template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_cells()
-{
-  compute_faces<State, HISTORY, SLOPE>();
-  compute_mixed<State, HISTORY, SLOPE>();
-}
-
-/* ----------------------------------------------------------------------
-   do the projections along the axis lie on two sides of a line? Tried is the line across the
-   connection of their centroids, which settles most pairs at a fraction of the full test.
-------------------------------------------------------------------------- */
-
-static inline bool separated(const dcm::FaceGeometry &f, const dcm::FaceGeometry &g,
-                             const Vec3 &apart)
-{
-  if (!(f.R > 0.0 && g.R > 0.0)) return false;    // concave: the axis may be another one
-  const Vec3 axis = g.center - f.center;
-  const Vec3 side = apart - axis * (apart.dot(axis) / axis.squaredNorm());
-  double front = 0.0, back = 0.0;
-  for (int k = 0; k < 3; k++) {
-    front = std::max(front, side.dot(f.x[k] - f.mid));
-    back = std::max(back, side.dot(g.mid - g.x[k]));
-  }
-  return front + back < side.squaredNorm();
-}
-
-/* ----------------------------------------------------------------------
-   does a face lie on the line through a point along u?
-------------------------------------------------------------------------- */
-
-static inline bool covers(const dcm::FaceGeometry &face, const Vec3 &point, const Vec3 &u)
-{
-  const double sign = face.n.dot(u) > 0.0 ? 1.0 : -1.0;
-  for (int k = 0; k < 3; k++) {
-    const Vec3 edge = face.x[(k + 1) % 3] - face.x[k];
-    if (sign * edge.cross(point - face.x[k]).dot(u) < 0.0) return false;
-  }
-  return true;
-}
-
-/* ---------------------------------------------------------------------- */
-
-template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_faces()
-{
-  const auto &faces = fix_cell->faces();
-  double *const *const force_of = atom->f;
-  if (!HISTORY) find_candidates();
-  const size_t npairs = HISTORY ? face_pairs.size() : candidates.size();
-  dcm::ContactResult r;
-
-  for (size_t m = 0; m < npairs; m++) {
-    const size_t n = HISTORY ? m : candidates[m];
-    if (m + AHEAD < npairs) {
-      const FacePair &next = face_pairs[HISTORY ? m + AHEAD : candidates[m + AHEAD]];
-      prefetch(&geometry[next.f]);
-      prefetch(&geometry[next.g]);
-    }
-    const int fi = face_pairs[n].f, gi = face_pairs[n].g;
-    const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
-
-    // what is farther apart may or may not be in the list: never look at it, so that results do
-    // not depend on when the list was built
-
-    const Vec3 apart = g.mid - f.mid;
-    const double bound = f.reach + g.reach + range_used;
-    const dcm::ContactMaterial &mat = table[face_class[fi] * nclass + face_class[gi]];
-    if (!(apart.squaredNorm() < bound * bound) || (!HISTORY && separated(f, g, apart)) ||
-        !dcm::face_face<State, SLOPE>(f, g, mat, set.points, r, HISTORY && *face_touch[n])) {
-      if (HISTORY) *face_touch[n] = 0;
-      continue;
-    }
-    // faces that have passed through each other look at each other and have their middles on the
-    // same line; others so far behind each other stand beside the same fold or corner, as those of
-    // newborn cells do, and do not touch
-
-    const auto &face = faces[fi], &other = faces[gi];
-    const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(-g.n.dot(r.u));
-    const double overlap = -apart.dot(r.u);
-    const bool beyond = !(overlap <= overlap_used), opposed = !(f.n.dot(g.n) > OPPOSED);
-    if (!std::isfinite(r.force) ||
-        (beyond && opposed && covers(f, g.mid, r.u) && covers(g, f.mid, r.u) &&
-         (deep_inside(f.mid, other.cell) || deep_inside(g.mid, face.cell))))
-      fail_pair(face.atom, other.atom, overlap, overlap_used, r.force);
-    const bool touching = !beyond && weight > 0.0;
-    if (HISTORY) *face_touch[n] = touching;
-    if (!touching) continue;
-    r.scale(weight);
-    count.overlap = std::max(count.overlap, overlap);
-    count.contacts++;
-    count.area += r.area;
-
-    for (int k = 0; k < 3; k++) {
-      vec(force_of[face.v[k]]) -= r.wf[k] * r.u;
-      vec(force_of[other.v[k]]) += r.wg[k] * r.u;
-    }
-    area[face.atom] += r.area;
-    area[other.atom] += r.area;
-    if (want_stress) {
-      stress[face.atom] += r.force;
-      stress[other.atom] += r.force;
-    }
-    if (want_partners) add_partner(atom->molecule[face.atom], atom->molecule[other.atom], r.area);
-    if (want_blocks)
-      contacts.push_back({{face.v[0], face.v[1], face.v[2], other.v[0], other.v[1], other.v[2]},
-                          {r.bf[0], r.bf[1], r.bf[2], -r.bg[0], -r.bg[1], -r.bg[2]},
-                          {r.u[0], r.u[1], r.u[2]},
-                          r.area * mat.gn,
-                          r.area * mat.gt});
-    if constexpr (SLOPE) contact_slope.push_back(std::max(0.0, weight * r.slope));
-  }
-}
-
-/* ----------------------------------------------------------------------
-   a deformable cell's face against a center-based cell
-------------------------------------------------------------------------- */
-
-template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mixed()
-{
-  const auto &faces = fix_cell->faces();
-  double *const *const force_of = atom->f;
-  double *const *const x = atom->x;
-  const size_t npairs = mixed_pairs.size();
-  dcm::ContactResult r;
-
-  for (size_t n = 0; n < npairs; n++) {
-    const int fi = mixed_pairs[n].i, j = mixed_pairs[n].j;
-    const dcm::FaceGeometry &f = geometry[fi];
-    const double radius = atom->radius[j];
-    const Vec3 apart = vec(x[j]) - f.mid;
-    const double bound = f.reach + radius + 0.5 * range_used;
-    const dcm::ContactMaterial &mat =
-        table[face_class[fi] * nclass + NREGION * (atom->type[j] - 1)];
-    if (!(apart.squaredNorm() < bound * bound) ||
-        !dcm::face_sphere<State, SLOPE>(f, vec(x[j]), radius, mat, set.points, r,
-                                        HISTORY && *mixed_touch[n])) {
-      if (HISTORY) *mixed_touch[n] = 0;
-      if (apart.squaredNorm() < 0.25 * radius * radius && f.n.dot(apart) <= 0.0)
-        fail_pair(faces[fi].atom, j, radius - f.n.dot(apart), radius, 0.0);
-      continue;
-    }
-    const auto &face = faces[fi];
-    if (!std::isfinite(r.force)) fail_pair(face.atom, j, r.delta, radius, r.force);
-    const double weight = dcm::facing(f.n.dot(r.u));
-    if (HISTORY) *mixed_touch[n] = weight > 0.0;
-    if (!(weight > 0.0)) continue;
-    r.scale(weight);
-    count.contacts++;
-    count.area += r.area;
-
-    for (int k = 0; k < 3; k++) vec(force_of[face.v[k]]) -= r.wf[k] * r.u;
-    vec(force_of[j]) += r.force * r.u;
-    area[face.atom] += r.area;
-    area[j] += r.area;
-    if (want_stress) {
-      stress[face.atom] += r.force;
-      stress[j] += r.force;
-    }
-    if (want_virial) moment[j] += r.force * (radius - 0.5 * r.delta);
-    if (want_partners) add_partner(atom->molecule[face.atom], atom->molecule[j], r.area);
-    if (want_blocks)
-      contacts.push_back({{face.v[0], face.v[1], face.v[2], j, j, j},
-                          {r.bf[0], r.bf[1], r.bf[2], -1.0, 0.0, 0.0},
-                          {r.u[0], r.u[1], r.u[2]},
-                          r.area * mat.gn,
-                          r.area * mat.gt});
-    if constexpr (SLOPE) contact_slope.push_back(std::max(0.0, weight * r.slope));
-  }
 }
 
 /* ---------------------------------------------------------------------- */

@@ -139,8 +139,8 @@ class PairDCMContact : public Pair, public DCMRole {
     std::array<Contacts, 2> contacts;        // without and with slopes for the stiffness
     std::array<Contacts, 2> with_history;    // nullptr: no neck to remember
   };
-  static const Law LAWS[];    // of keyword law
-  enum { DMT, MAUGIS };       // their order, which restart files keep
+  static const Law LAWS[];             // of keyword law
+  enum { DMT, MAUGIS, FOUNDATION };    // their order
   enum CommMode { SUMS, NEIGHBORS, MODULUS };
 
   DCMRequests<> stress_requests, virial_requests, blocks_requests, stiffness_requests;
@@ -165,6 +165,7 @@ class PairDCMContact : public Pair, public DCMRole {
   double guessed = 0.0;            // 1: h0, range derived before there was any mesh
   std::vector<double> laid_out;    // per type: TypeInfo::promise, 0: not yet
   bool warned_h0 = false;
+  double stiffest = 0.0;                             // law foundation: largest stiffness per area
   std::vector<std::pair<int, int>> excluded_here;    // types kept apart by this style
 
   struct TypeInfo {
@@ -173,7 +174,7 @@ class PairDCMContact : public Pair, public DCMRole {
     bool active = false;     // its atoms take part in contacts
     double radius = 0.0;     // largest radius (contact range not included)
     double promise = 0.0;    // largest radius the neighbor list is built for (range included)
-    double E = 0.0, nu = 0.0, gn = 0.0, gt = 0.0, a[4] = {0.0, 0.0, 0.0, 0.0};
+    double E = 0.0, nu = 0.0, layer = 0.0, gn = 0.0, gt = 0.0, a[4] = {0.0, 0.0, 0.0, 0.0};
   };
 
   std::unique_ptr<DCMParameters> parameters;
@@ -239,6 +240,7 @@ class PairDCMContact : public Pair, public DCMRole {
   void choose_lengths();
   void lay_out();
   void read_types();
+  void report_layers();
   void exclude_types();
   void allow_types(int, int);
   void set_cutoff();

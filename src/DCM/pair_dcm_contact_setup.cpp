@@ -35,13 +35,17 @@ using namespace LAMMPS_NS;
 
 static const std::string STYLE = "Pair style dcm/contact";
 static const std::vector<std::string> PARAMETERS = {
-    "E_contact", "nu_contact", "W", "friction_normal", "friction_tangential", "a1",
-    "a2",        "a3",         "a4"};
+    "E_contact",           "nu_contact", "layer", "W",  "friction_normal",
+    "friction_tangential", "a1",         "a2",    "a3", "a4"};
 static constexpr int NREGION = AtomVecDCM::NREGION;
 
 // in mean edge lengths: `h0 auto`, the limit of a resolved h0, default range (see the doc page)
 
 static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2, RANGE = 0.75;
+
+// thickness of the layer of law foundation, um: of the order of the cell cortex [ours]
+
+static constexpr double LAYER = 0.25;
 
 // mean edge of a mesh of 162 nodes, in radii of the cell
 
@@ -343,6 +347,7 @@ void PairDCMContact::read_types()
     if (!(info.nu > -1.0 && info.nu <= 0.5))
       error->all(FLERR, "{}: nu_contact of cell type {} is {}, must be above -1 and at most 0.5",
                  STYLE, parameters->name(t), info.nu);
+    info.layer = parameters->get(t, "layer", DCMParameters::POSITIVE, LAYER);
     info.gn = parameters->get(t, "friction_normal", DCMParameters::NONNEGATIVE, 0.0);
     info.gt = parameters->get(t, "friction_tangential", DCMParameters::NONNEGATIVE, 0.0);
     for (int k = 0; k < 4; k++) {
@@ -351,6 +356,8 @@ void PairDCMContact::read_types()
       if (sphere && info.a[k] != 0.0) any_apparent = true;
     }
   }
+
+  report_layers();
 
   nclass = NREGION * ntypes;
   table.assign((size_t) nclass * nclass, dcm::ContactMaterial());
@@ -369,6 +376,7 @@ void PairDCMContact::read_types()
           m.W = parameters->adhesion(s, p, t, q);
           m.h0 = h0_used > 0.0 ? h0_used : set.h0;
           m.gn = 0.5 * (a.gn + b.gn);
+          m.k = dcm::foundation_stiffness(a.layer, a.E, a.nu, b.layer, b.E, b.nu);
           m.gt = 0.5 * (a.gt + b.gt);
           if (p || q || !may_be(a, AtomVecDCM::SPHERE) || !may_be(b, AtomVecDCM::SPHERE)) continue;
           const double R = dcm::effective_radius(sphere(a), sphere(b));
@@ -383,6 +391,35 @@ void PairDCMContact::read_types()
                STYLE, neck, neighbor->skin, round_up(neck));
 }
 
+/* ----------------------------------------------------------------------
+   law foundation: the range of its stiffness, when it is new
+------------------------------------------------------------------------- */
+
+void PairDCMContact::report_layers()
+{
+  if (set.law != FOUNDATION) {
+    stiffest = 0.0;
+    if (parameters->by_keyword("layer"))
+      error->all(FLERR,
+                 "{}: keyword layer is for law foundation; law {} has no layer, remove it or say "
+                 "'pair_style dcm/contact law foundation'",
+                 STYLE, LAWS[set.law].name);
+    return;
+  }
+  double least = 0.0, most = 0.0;
+  for (const auto &a : types)
+    for (const auto &b : types) {
+      if (!a.active || !b.active) continue;
+      const double k = dcm::foundation_stiffness(a.layer, a.E, a.nu, b.layer, b.E, b.nu);
+      least = least > 0.0 ? std::min(least, k) : k;
+      most = std::max(most, k);
+    }
+  if (most != stiffest && comm->me == 0)
+    utils::logmesg(lmp, "{}: law foundation, stiffness per area {:.6g} to {:.6g}\n", STYLE, least,
+                   most);
+  stiffest = most;
+}
+
 /* ---------------------------------------------------------------------- */
 
 void *PairDCMContact::extract(const char *name, int &dim)
@@ -390,6 +427,7 @@ void *PairDCMContact::extract(const char *name, int &dim)
   dim = 0;
   if (strcmp(name, "h0") == 0) return &h0_used;
   if (strcmp(name, "range") == 0) return &range_used;
+  if (strcmp(name, "stiffness") == 0) return &stiffest;    // per area, 0: not law foundation
   return nullptr;
 }
 

@@ -9,10 +9,11 @@
 ------------------------------------------------------------------------- */
 
 // pair style dcm/contact: the friction and stiffness blocks of a step, handed over between unknowns
-// instead of local atoms
+// instead of local atoms; the laws with slopes, and laws after the first two
 
 #include "pair_dcm_contact.h"
 
+#include "dcm_contact_faces.h"
 #include "dcm_unknowns.h"
 #include "law/friction.h"
 #include "law/stiffness.h"
@@ -20,6 +21,14 @@
 #include <algorithm>
 
 using namespace LAMMPS_NS;
+
+template void PairDCMContact::compute_cells<dcm::DmtState, false, true>();
+template void PairDCMContact::compute_cells<dcm::MaugisState, false, true>();
+template void PairDCMContact::compute_cells<dcm::MaugisState, true, true>();
+template void PairDCMContact::compute_cells<dcm::FoundationState, false, false>();
+template void PairDCMContact::compute_cells<dcm::FoundationState, false, true>();
+
+/* ---------------------------------------------------------------------- */
 
 void PairDCMContact::clear_blocks()
 {

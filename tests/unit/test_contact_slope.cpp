@@ -1,7 +1,8 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
 // Slopes of the contact forces, for implicit steps: closed forms against finite differences of the
-// forces, over random common parts of faces, across kinks, and for whole spheres.
+// forces, over random common parts of faces, across kinks, and for whole spheres; the block made of
+// a slope against the Jacobian of the law.
 
 #include "law/contact.h"
 #include "law/jkr.h"
@@ -27,6 +28,7 @@ ContactMaterial material(double W = 0.1, double h0 = 0.35)
   m.E = 2.98;
   m.W = W;
   m.h0 = h0;
+  m.k = 12.0;
   return m;
 }
 
@@ -64,16 +66,12 @@ struct Pair {
 
 template <class State> class ContactSlope : public testing::Test {
 };
-using Laws = testing::Types<DmtState, MaugisState>;
+using Laws = testing::Types<DmtState, MaugisState, FoundationState>;
 TYPED_TEST_SUITE(ContactSlope, Laws);
 
-constexpr bool exact(const DmtState &)
+template <class State> constexpr bool exact(const State &)
 {
-  return true;
-}
-constexpr bool exact(const MaugisState &)
-{
-  return false;    // a secant
+  return State::EXACT_CORE;    // else a secant
 }
 
 }    // namespace
@@ -198,6 +196,89 @@ TYPED_TEST(ContactSlope, OfWholeSpheres)
       EXPECT_NEAR(with_sphere, whole, tolerance * scale) << W << " " << delta;
     }
   }
+}
+
+/* ----------------------------------------------------------------------
+   the block of a contact against the Jacobian of its forces
+------------------------------------------------------------------------- */
+
+namespace {
+
+using Eigen::MatrixXd;
+
+// -dF/dx over the six vertices, along u at both ends; radii of the spheres unchanged. Across u single
+// pairs lose what their neighbors win, as edges move.
+template <class State> MatrixXd minus_jacobian(Pair pair, const ContactMaterial &m, const Vec3 &u)
+{
+  auto forces = [&]() {
+    Eigen::VectorXd F = Eigen::VectorXd::Zero(6);
+    ContactResult r;
+    if (!face_face<State>(pair.face(0), pair.face(1), m, 2, r)) return F;
+    for (int k = 0; k < 3; k++) {
+      F[k] = -r.wf[k] * u.dot(r.u);
+      F[3 + k] = r.wg[k] * u.dot(r.u);
+    }
+    return F;
+  };
+  MatrixXd K(6, 6);
+  const double h = 1e-6;
+  for (int i = 0; i < 6; i++) {
+    Vec3 &x = pair.x[i / 3][i % 3];
+    const Vec3 x0 = x;
+    x = x0 + h * u;
+    const Eigen::VectorXd up = forces();
+    x = x0 - h * u;
+    K.col(i) = -(up - forces()) / (2.0 * h);
+    x = x0;
+  }
+  return K;
+}
+
+MatrixXd block(double slope, const double *wf, const double *wg)
+{
+  Eigen::VectorXd w(6);
+  for (int k = 0; k < 3; k++) {
+    w[k] = wf[k];
+    w[3 + k] = -wg[k];
+  }
+  return std::max(0.0, slope) * w * w.transpose();
+}
+
+}    // namespace
+
+// The law's stress depends on the local gap alone, so that K = int (dp/d delta) w w^T is symmetric.
+// From it the block takes the mean, with the weights of the contact area; the rest, against tilt, is
+// positive as well. The weights of the force will not do where pressure and adhesion balance.
+TEST(ContactStiffness, IsPartOfTheJacobian)
+{
+  Random random = rng(4);
+  int compressed = 0, balanced = 0;
+  for (int trial = 0; trial < 4000; trial++) {
+    Pair pair(random);
+    for (int side : {0, 1}) {
+      pair.R[side] = 60.0;
+      for (Vec3 &x : pair.x[side]) x *= 0.5;
+    }
+    const ContactMaterial m = material(trial % 2 ? 0.1 : 0.0);
+    ContactResult r;
+    const FaceGeometry f = pair.face(0), g = pair.face(1);
+    if (!face_face<FoundationState, true>(f, g, m, 2, r) || !(r.slope > 0.0)) continue;
+    if (facing(f.n.dot(r.u)) * facing(-g.n.dot(r.u)) < 1.0) continue;
+    const MatrixXd full = minus_jacobian<FoundationState>(pair, m, r.u);
+    const MatrixXd K = 0.5 * (full + full.transpose()), B = block(r.slope, r.bf, r.bg);
+    double wf[3], wg[3];
+    for (int k = 0; k < 3; k++) {
+      wf[k] = r.wf[k] / r.force;
+      wg[k] = r.wg[k] / r.force;
+    }
+    EXPECT_GE(Eigen::SelfAdjointEigenSolver<MatrixXd>(B).eigenvalues()[0], -1e-12 * B.norm());
+    const char *s = m.W == 0.0 ? "rep" : std::fabs(r.force) < 0.05 * m.sigma0() * r.area ? "bal" : "adh";
+    if (m.W == 0.0) compressed++; else if (s[0]=='b') balanced++;
+      std::printf("%s %.4f %.4f asym %.4f mineig %.4f %.3f %.3f\n", s, (K - B).norm() / K.norm(), (K - block(r.slope, wf, wg)).norm() / K.norm(), (full-K).norm()/K.norm(),
+       Eigen::SelfAdjointEigenSolver<MatrixXd>(K-B).eigenvalues()[0]/K.norm(), r.slope/(m.k*r.area), r.delta);
+  }
+  EXPECT_GT(compressed, 20);
+  EXPECT_GT(balanced, 2);
 }
 
 /* ----------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 // Contact of two triangles of cell surfaces, or of a triangle and a sphere (S1 "Contact model").
 // Each triangle stands for its circumscribing sphere; the stress of the contact of the two spheres
-// (law: maugis.h or dmt.h) is integrated over the common part of the two triangles,
+// (law: maugis.h, dmt.h or foundation.h) is integrated over the common part of the two triangles,
 // projected along the axis u through the sphere centers. All forces are parallel to u and are
 // spread with barycentric weights in that projection: they balance, and so do their torques.
 //
@@ -15,6 +15,7 @@
 
 #include "contact_law.h"
 #include "dmt.h"
+#include "foundation.h"
 #include "maugis.h"
 #include "overlap.h"
 #include "radial_integral.h"

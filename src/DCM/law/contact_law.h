@@ -1,10 +1,10 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// What the two contact laws (maugis.h, dmt.h) have in common. A law is a state of one
+// What the contact laws (maugis.h, dmt.h, foundation.h) have in common. A law is a state of one
 // contact of two spheres with a radial stress p(r), compression positive, r = distance from the
 // axis through the sphere centers:
 //
-//   p(r) = Hertz + law's own part   r <= a        ("core")
+//   p(r) = the law's own            r <= a        ("core")
 //        = -sigma0                  a < r <= c    ("ring": uniform cohesive traction)
 //        = 0                        r > c
 //
@@ -51,6 +51,7 @@ struct ContactMaterial {
   double h0 = 0.0;    ///< range of adhesion (length), S1: 2e-8 m; needed if W > 0
   double gn = 0.0;    ///< friction per area along the contact normal (stress time/length)
   double gt = 0.0;    ///< friction per area across it
+  double k = 0.0;     ///< stiffness per area of law foundation (pressure/length)
 
   /// Cohesive stress W/h0.
   double sigma0() const { return W > 0.0 && h0 > 0.0 ? W / h0 : 0.0; }
