@@ -171,7 +171,7 @@ def test_two_icospheres_are_hertz(lmp, scenes, overlap, law, np_):
     assert math.hypot(row["v_fy"], row["v_fz"]) < 5e-4 * hertz
 
 
-@pytest.mark.parametrize("law", ["dmt", "maugis"])
+@pytest.mark.parametrize("law", ["dmt", "maugis", "foundation"])
 def test_free_doublet_has_no_net_force_and_torque(lmp, scenes, law):
     """All laws, before and after some motion, over a periodic border, 1 and 2 ranks."""
     scene = scenes.doublet(level=2, boundary="p p p", box=(25.0, 25.0, 25.0))

@@ -21,7 +21,7 @@ def fixes(scene):
     )
 
 
-@pytest.mark.parametrize("law", ["dmt", "maugis branch history"])
+@pytest.mark.parametrize("law", ["dmt", "maugis branch history", "foundation"])
 @pytest.mark.parametrize("boundary", ["s s s", "p p p"])
 @pytest.mark.parametrize("np_", [1, 2])
 def test_restart_is_bit_for_bit(lmp, scenes, np_, boundary, law):
