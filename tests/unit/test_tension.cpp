@@ -251,8 +251,8 @@ TEST(Tension, LaplaceOnASphere)
     const double p = 2.0 * T * area(mesh) / (3.0 * volume(mesh));
     for (const auto &face : mesh.faces)
       for (int i : face)
-        sum[i] += face_pressure_force(p, mesh.nodes[face[0]], mesh.nodes[face[1]],
-                                      mesh.nodes[face[2]]);
+        sum[i] +=
+            face_pressure_force(p, mesh.nodes[face[0]], mesh.nodes[face[1]], mesh.nodes[face[2]]);
     double outward = 0.0;
     for (size_t i = 0; i < sum.size(); i++) outward += mesh.nodes[i].dot(sum[i]);
     EXPECT_LT(std::fabs(outward), 1.0e-12 * T * area(mesh));
@@ -376,8 +376,7 @@ TEST(TensionStiffness, AStepOfAnyLengthLowersTheEnergy)
       const double before = T * area(mesh);
       const MatrixXd A = friction * MatrixXd::Identity(n, n) + dt * stiffness_of(T, mesh);
       const VectorXd v = A.llt().solve(flat(force_of(T, mesh)));
-      for (size_t i = 0; i < mesh.nodes.size(); i++)
-        mesh.nodes[i] += dt * v.segment<3>(3 * int(i));
+      for (size_t i = 0; i < mesh.nodes.size(); i++) mesh.nodes[i] += dt * v.segment<3>(3 * int(i));
       const double lost = dt * friction * v.squaredNorm();
       EXPECT_LE(T * area(mesh), before - lost + 1.0e-12 * before) << dt << " " << step;
       EXPECT_GT(lost, 0.0);

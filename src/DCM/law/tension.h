@@ -67,8 +67,8 @@ inline AreaGradient area_gradient(const Vec3 &a, const Vec3 &b, const Vec3 &c)
 ///
 /// With E the Dirichlet energy of the map that takes the triangle to a displaced one, the area of
 /// the latter is E at most, and the two agree to first order: E is the area plus half the square of
-/// what shears the triangle. E is quadratic, and its matrix is the cotangents (Dziuk 1990). So, with
-/// L the cotangents and H the second derivative of the area,
+/// what shears the triangle. E is quadratic, and its matrix is the cotangents (Dziuk 1990). So,
+/// with L the cotangents and H the second derivative of the area,
 ///
 ///   L = H + (the two shears, positive semidefinite),    K = T L + (what clamping adds) >= T H
 ///
