@@ -13,7 +13,7 @@ BARE = "bond_style zero nocoeff\nbond_coeff *\ndihedral_style zero nocoeff\ndihe
 COLUMNS = "id mol type xu yu zu vx vy vz fx fy fz"
 LIST = "comm_modify cutoff 12\n"
 CELL = "fix cell all dcm/cell\n"
-POLARITY = "fix pol all dcm/polarity seed 3 init toward 3 30 8 junction 0.2 0.7 basal -0.6\n"
+POLARITY = "fix pol all dcm/polarity seed 3 init toward 3 30 8 junction 0.2 0.7 basal 0.6\n"
 ACTING = {"lateral": 0.2, "polar": 0.3, "apical": 0.5, "junction": 0.7, "basal": 0.1}
 
 
@@ -81,7 +81,7 @@ def test_force_energy_and_regions(lmp, scenes, mesh):
     faces, files = mesh
     scene, deck = perturbed(scenes)
     result = lmp(
-        deck + POLARITY + tension(scene, by_region())
+        deck.replace(LIST, "") + scene.contact() + POLARITY + tension(scene, by_region())
         + "compute face all dcm/face area region\ncompute e all pe/atom fix\n"
         + "compute sum all reduce sum c_e\n"
         + scenes.dump("id type xu yu zu fx fy fz c_face[1] c_face[2] c_e")
@@ -152,23 +152,24 @@ def test_virial(lmp, scenes, mesh):
 
 
 def test_energy_is_work(lmp, scenes):
-    """What tension and pressure lose, friction dissipates: to second order in the time step."""
+    """What tension and pressure lose on the way is the work of the forces, to second order."""
     scene, deck = bare(scenes, options="scale nodes rest 1")
     errors = []
     for dt in (0.2, 0.1):
         result = lmp(
             deck + "group nodes type 2\ndisplace_atoms nodes random 0.4 0.4 0.4 4711 units box\n"
             + tension(scene, "tension 0.5") + scene.motion()
-            + "variable fv atom fx*vx+fy*vy+fz*vz\ncompute loss nodes reduce sum v_fv\n"
-            + scenes.thermo(["E=f_ten+f_volume", "loss=c_loss"])
-            + f"timestep {dt}\nrun {round(4 / dt)}\n"
+            + scenes.dump("id xu yu zu fx fy fz", group="nodes")
+            + scenes.thermo(["E=f_ten+f_volume"]) + f"timestep {dt}\nrun {round(4 / dt)}\n"
         )  # fmt: skip
         E = np.array([get(row, "E") for row in result.thermo])
-        loss = np.array([get(row, "loss") for row in result.thermo])
+        frames = result.dump()
+        work = sum(
+            (0.5 * (a.f + b.f) * (b.x - a.x)).sum() for a, b in zip(frames, frames[1:])
+        )
         assert (np.diff(E) < 0.0).all() and E[0] - E[-1] > 1.0
-        work = dt * (0.5 * (loss[1:] + loss[:-1])).sum()
         errors.append(abs(work / (E[0] - E[-1]) - 1))
-    assert errors[0] < 0.02
+    assert errors[0] < 0.01
     assert 3.0 < errors[0] / errors[1] < 5.0
 
 
@@ -180,21 +181,24 @@ def laplace(scenes, level, dt, seconds, T=0.2):
     return (
         deck + tension(scene, f"tension {T}") + scene.motion(options="tolerance 1e-10")
         + "compute c all dcm/cell volume area\n"
-        + scenes.thermo(["p=f_volume[1]", "V=C_c[1]", "A=C_c[2]", "E=f_ten"], 10**6)
+        + "variable fx atom fx*x+fy*y+fz*z\ncompute virial all reduce sum v_fx\n"
+        + scenes.thermo(["p=f_volume[1]", "V=C_c[1][1]", "A=C_c[1][2]", "E=f_ten", "rF=c_virial"],
+                        10**6)
         + f"timestep {dt}\nrun {round(seconds / dt)}\n"
     )  # fmt: skip
 
 
 def test_laplace_law(lmp, scenes):
-    """p = 2T/R at rest, R of the volume, to second order in the edge; p 3V = 2TA exactly."""
+    """p = 2T/R at rest, R of the volume, to second order in the edge; p 3V - 2TA = sum of r.F."""
     T, errors = 0.2, []
     for level, dt in ((1, 1.0), (2, 1.0), (3, 0.5)):
         row = lmp(laplace(scenes, level, dt, 100)).thermo[-1]
         p, V, A = (get(row, k) for k in ("p", "V", "A"))
         assert get(row, "E") == pytest.approx(T * A, rel=1e-13)
-        assert p == pytest.approx(2 * T * A / (3 * V), rel=1e-7)
+        assert abs(get(row, "rF")) < 1e-4 * T * A  # nearly at rest
+        assert 3 * p * V - get(row, "rF") == pytest.approx(2 * T * A, rel=1e-11)
         errors.append(p * math.cbrt(0.75 * V / math.pi) / (2 * T) - 1)
-    assert errors[1] < 0.02  # 162 nodes
+    assert errors[1] < 0.005  # 162 nodes
     orders = -np.diff(np.log2(errors))
     assert orders == pytest.approx([2.0, 2.0], abs=0.1)
 
@@ -220,7 +224,7 @@ def test_minimize(lmp, scenes):
     result = lmp(
         deck + "group nodes type 2\ndisplace_atoms nodes ramp x -1.5 1.5 x -6 6 units box\n"
         + tension(scene) + "compute c all dcm/cell volume area\n"
-        + scenes.thermo(["pe", "p=f_volume[1]", "V=C_c[1]", "A=C_c[2]"], 10**6)
+        + scenes.thermo(["pe", "p=f_volume[1]", "V=C_c[1][1]", "A=C_c[1][2]"], 10**6)
         + "timestep 0.05\nmin_style fire\nminimize 0 1e-9 20000 100000\n"
     )  # fmt: skip
     first, last = result.thermo[0], result.thermo[-1]
@@ -268,7 +272,7 @@ def test_which_value_counts(lmp, scenes, name, once):
     scene.parameters = OWN
     types = f"types {scene.map}" if once else ""
     result = lmp(
-        scene.head() + BARE + LIST + "variable T equal 0.25\nvariable U equal 0.35\n"
+        scene.head() + BARE + scene.contact(coeff="W 0.1") + "variable T equal 0.25\nvariable U equal 0.35\n"
         + f"fix cell all dcm/cell {types}\n" + POLARITY
         + f"fix ten all dcm/tension {'' if once else scene.map} {options}\n"
         + "compute face all dcm/face area region\n"
@@ -319,9 +323,9 @@ def test_a_variable_in_time(lmp, scenes):
 
 
 def doublet(scenes, boundary):
-    """Two adhering cells of surface tension by region, which moves on as time goes."""
-    scene = scenes.doublet(level=1, boundary=boundary, gap=-0.4, box=(16.0, 12.0, 12.0))
-    shift = "displace_atoms all move 14 11 11\n" if boundary == "p p p" else ""
+    """Two adhering cells whose surface tension differs by region: springs have to hold that."""
+    scene = scenes.doublet(level=1, boundary=boundary, gap=-0.4, box=(27.0, 14.0, 14.0))
+    shift = "displace_atoms all move 26 13 13\n" if boundary == "p p p" else ""
     fixes = (
         CELL + scene.volume() + POLARITY + "variable T equal 0.3+0.001*step\n"
         + tension(scene, "tension 0.2 tension:apical 0.4 tension:junction v_T")
@@ -336,11 +340,11 @@ def doublet(scenes, boundary):
 @pytest.mark.parametrize("boundary", ["s s s", "p p p"])
 def test_1_2_3_and_4_ranks_agree(lmp, scenes, boundary):
     scene, shift, fixes = doublet(scenes, boundary)
-    deck = scene.head() + shift + BARE + scene.contact() + fixes + "run 60\n"
+    deck = scene.head() + shift + scene.cortex() + scene.contact() + fixes + "run 60\n"
     one = lmp(deck)
     frames = one.dump()
     assert {0, 1, 2, 3, 4} == set(frames[-1]["c_region"][frames[-1]["type"] == 3])
-    assert np.abs(frames[-1].x - frames[0].x).max() > 0.3
+    assert np.abs(frames[-1].x - frames[0].x).max() > 0.1
     for np_ in (2, 3, 4):
         other = lmp(deck, np=np_)
         for a, b in zip(frames, other.dump(), strict=True):
@@ -354,13 +358,13 @@ def test_1_2_3_and_4_ranks_agree(lmp, scenes, boundary):
 
 @pytest.mark.parametrize("np_", [1, 2])
 def test_restart_is_bit_for_bit(lmp, scenes, np_):
-    scene, _, fixes = doublet(scenes, "s s s")
+    scene, _, fixes = doublet(scenes, "f f f")
     run = "processors * 1 1\n"
     whole_run = lmp(
-        run + scene.head() + BARE + scene.contact() + fixes + "restart 30 r.*\nrun 60\n", np=np_
+        run + scene.head() + scene.cortex() + scene.contact() + fixes + "restart 30 r.*\nrun 60\n", np=np_
     )
     rest = lmp(
-        run + "read_restart r.30\n" + BARE + f"pair_coeff * * {scene.map}\nneighbor 0.6 multi\n"
+        run + "read_restart r.30\n" + scene.cortex() + f"pair_coeff * * {scene.map}\nneighbor 0.6 multi\n"
         + fixes + "restart 30 r.*\nrun 30\n",
         np=np_,
         files={"r.30": whole_run.path / "r.30"},
@@ -369,7 +373,8 @@ def test_restart_is_bit_for_bit(lmp, scenes, np_):
         assert a.step == b.step
         for name in a.names:
             assert (a[name] == b[name]).all(), (a.step, name)
-    assert whole_run.thermo[3:] == rest.thermo
+    for a, b in zip(whole_run.thermo[3:], rest.thermo, strict=True):
+        assert {k: (a[k], b[k]) for k in a if a[k] != b[k]} == {}
 
 
 # --- hard cases -----------------------------------------------------------------------------------
@@ -380,11 +385,10 @@ def test_triangles_without_area(lmp, scenes):
     scene, deck = bare(scenes)
     result = lmp(
         deck.replace(scene.volume(), "") + tension(scene)
-        + "variable x equal x[2]\nvariable y equal y[2]\nvariable z equal z[2]\n"
         + "compute p all property/atom vertex1 vertex2 vertex3\n"
         + scenes.dump("id type xu yu zu fx fy fz c_p[1] c_p[2] c_p[3]")
         + scenes.thermo(["pe"]) + "run 0\n"
-        + "set atom 14 x ${x} y ${y} z ${z}\nrun 0\n"
+        + "set atom 14 x $(x[2]:%.17g) y $(y[2]:%.17g) z $(z[2]:%.17g)\nrun 1 pre no\n"
     )  # fmt: skip
     assert result.dump()[0].step == 0
     last = result.dump()[-1]
@@ -409,20 +413,20 @@ def test_huge_tension(lmp, scenes):
 def test_a_tension_that_becomes_negative(lmp, scenes):
     scene, deck = bare(scenes)
     result = lmp.run(
-        deck + "variable T equal 0.1-0.05*step\n" + tension(scene, "tension:basal 0.1 tension v_T")
+        deck + "variable T equal 0.125-0.0625*step\n" + tension(scene, "tension:basal 0.1 tension v_T")
         + scene.motion() + scenes.thermo(["pe"]) + "timestep 1.0\nrun 10\n"
     )  # fmt: skip
     (error,) = lines_of_error(result)
-    assert "Fix dcm/tension: variable T gives the tension -0.05 at step 3; it must be" in error
+    assert "Fix dcm/tension: variable T gives the tension -0.0625 at step 3; it must be" in error
     assert [row["Step"] for row in result.thermo] == [0, 1, 2]
 
 
 BAD = {
     # options, message
-    "negative": ("tension -0.1", "tension is -0.1, must be >= 0"),
-    "negative region": ("tension 0.1 tension:basal -1", "tension:basal is -1, must be >= 0"),
-    "word": ("tension much", "tension is much"),
-    "infinite": ("tension inf", "tension is inf"),
+    "negative": ("tension -0.1", "tension is -0.1, must be zero or positive"),
+    "negative region": ("tension 0.1 tension:basal -1", "tension:basal is -1, must be zero or positive"),
+    "word": ("tension much", "tension is 'much', expected a number"),
+    "infinite": ("tension inf", "tension is 'inf', expected a number"),
     "missing value": ("tension", "tension"),
     "unknown region": ("tension 0.1 tension:top 0.2", "unknown keyword tension:top.*tension:api"),
     "unknown keyword": ("tension 0.1 stress 0.2", "unknown keyword stress"),
@@ -447,7 +451,7 @@ def test_bad_parameter_file(lmp, scenes):
     scene = scenes.single_cell()
     scene.parameters = OWN
     for values, pattern in (
-        (dict(tension=-0.1), "tension of cell type hepatoblast is -0.1, must be >= 0"),
+        (dict(tension=-0.1), "tension of cell type hepatoblast is -0.1, must be zero or positive"),
         (dict(tension=0.1, tension_basal=-1), "tension:basal of cell type hepatoblast is -1"),
         (dict(tension_top=0.1), "tension:top 0.1': expected .*known keywords: .*tension:basal"),
     ):
