@@ -1,6 +1,8 @@
 """fix dcm/tension: force, energy, Laplace's law, values by type and region, ranks, restart."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import pytest
 from support.bad_decks import fails, lines_of_error, whole
 from support.parameters import CONTACT, CORTEX, FRICTION, adhesion, cell_type
 
+DECK = Path(__file__).resolve().parents[2] / "examples" / "tension" / "in.tension"
 REGIONS = ("lateral", "polar", "apical", "junction", "basal")
 BARE = "bond_style zero nocoeff\nbond_coeff *\ndihedral_style zero nocoeff\ndihedral_coeff *\n"
 COLUMNS = "id mol type xu yu zu vx vy vz fx fy fz"
@@ -233,6 +236,27 @@ def test_minimize(lmp, scenes):
     assert p == pytest.approx(2 * 0.2 * A / (3 * V), rel=1e-7)
     sphericity = A / (36 * math.pi * V**2) ** (1 / 3)
     assert sphericity < 1.04  # 1.039 of an icosphere of 42 nodes; 1.057 at the start
+
+
+# --- two cells that adhere --------------------------------------------------------------------------
+
+
+def test_doublet_deck(lmp):
+    """Early on: the angle opens toward that of Young and Dupre, measured in two ways."""
+    result = lmp("variable settle index 200\nvariable dt index 1.0\n" + DECK.read_text())
+    text = result.out
+    expected, shape, area = (
+        float(re.search(pattern + r": +([\d.]+) degrees", text)[1])
+        for pattern in ("Young and Dupre", "length and volume", "area in contact")
+    )
+    assert expected == pytest.approx(math.degrees(math.acos(0.7)), abs=0.01)
+    assert 10.0 < shape < expected and 20.0 < area < expected
+
+
+def test_doublet_without_springs(lmp):
+    """Nothing holds the mesh in a contact: the run ends with an error, as the page says."""
+    result = lmp.run("variable settle index 200\nvariable springs index 0\n" + DECK.read_text())
+    assert "has grown to radius" in result.out and result.returncode != 0
 
 
 # --- where the values come from -------------------------------------------------------------------
