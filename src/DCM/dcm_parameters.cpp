@@ -34,7 +34,9 @@ static const std::array<std::string, 5> REGIONS = {"lateral", "polar", "apical",
 // clang-format off
 static const std::vector<std::string> KEYWORDS = {
     "E_cor", "h_cor", "nu_cor", "gamma", "K_V", "E_contact", "nu_contact", "layer", "friction_normal",
-    "friction_tangential", "friction_ecm", "a1", "a2", "a3", "a4", "D", "cycle_time", "cycle_sd"};
+    "friction_tangential", "friction_ecm", "a1", "a2", "a3", "a4", "D", "cycle_time", "cycle_sd",
+    "tension", "tension:lateral", "tension:polar", "tension:apical", "tension:junction",
+    "tension:basal"};
 // clang-format on
 
 DCMParameters::DCMParameters(LAMMPS *lmp, const std::string &_asking,
@@ -203,10 +205,18 @@ double DCMParameters::get(int slot, const std::string &keyword, Range range) con
 
 double DCMParameters::get(int slot, const std::string &keyword, Range range, double preset) const
 {
+  return has(slot, keyword) ? get(slot, keyword, range) : preset;
+}
+
+bool DCMParameters::has(int slot, const std::string &keyword) const
+{
   const auto type = types.find(names[slot]);
-  const bool given = overrides.count(keyword) > 0 ||
-                     (type != types.end() && type->second.count(keyword) > 0);
-  return given ? get(slot, keyword, range) : preset;
+  return overrides.count(keyword) > 0 || (type != types.end() && type->second.count(keyword) > 0);
+}
+
+const std::string &DCMParameters::region_name(int region)
+{
+  return REGIONS[region];
 }
 
 /* ----------------------------------------------------------------------

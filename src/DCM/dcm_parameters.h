@@ -60,6 +60,10 @@ class DCMParameters : protected Pointers, public DCMRanges {
   // or out of range; the second form has a default
   double get(int slot, const std::string &keyword, Range range) const;
   double get(int slot, const std::string &keyword, Range range, double preset) const;
+  bool has(int slot, const std::string &keyword) const;    // is there a value?
+
+  // name of a surface region, as in the file: NAME:REGION, KEYWORD:REGION
+  static const std::string &region_name(int region);
 
   // work of adhesion W (energy/area) between region ri of slot i and region rj of slot j;
   // error when the file names no adhesion for the two cell types
