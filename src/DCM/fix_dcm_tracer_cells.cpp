@@ -21,6 +21,7 @@
 #include "fix_dcm_cell.h"
 #include "group.h"
 #include "law/random.h"
+#include "law/solid_angle.h"
 #include "law/triangle.h"
 #include "update.h"
 #include "utils.h"

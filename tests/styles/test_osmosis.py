@@ -196,7 +196,7 @@ def test_1_2_3_and_4_ranks_agree(lmp, scenes, boundary):
         + "compute mark all dcm/face mark\n"
         + scene.motion()
         + scenes.dump("id mol type c_mark c_lumen xu yu zu", 20)
-        + values(scenes, 20, [f"l{k}=c_lumen[{k}]" for k in range(1, 8)])
+        + values(scenes, 20, [f"l{k}=c_lumen[{k}]" for k in range(1, 9)])
         + "timestep 1.0\nrun 100\n"
     )
     one = lmp(deck, files=files)
