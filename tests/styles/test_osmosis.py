@@ -251,6 +251,29 @@ def test_restart_is_bit_for_bit(lmp, scenes, options, np_):
     assert whole.thermo[9:] == rest.thermo
 
 
+@pytest.mark.parametrize("np_", [1, 2])
+def test_writing_restart_files_changes_nothing(lmp, scenes, np_):
+    """Work is summed up as without them, to the last bit; a run that continues has the same."""
+    scene, files = ring_data(lmp, scenes)
+    fixes = (
+        "fix cell all dcm/cell\n" + scene.volume()
+        + osmosis("pressure 0.3 marks flood slab z -4 4 ramp 10") + scene.motion()
+        + "timestep 1.0\n" + scenes.thermo(["work=f_osm"], 1)
+    )  # fmt: skip
+    head = "processors * 1 1\n"
+    start = head + read() + scene.cortex() + scene.contact() + fixes
+    plain = lmp(start + "run 40\n", np=np_, files=files).thermo
+    written = lmp(start + "restart 3 r.*\nrun 40\n", np=np_, files=files)
+    assert [row["v_work"] for row in written.thermo] == [row["v_work"] for row in plain]
+    assert plain[-1]["v_work"] > 0.0
+    again = head + f"read_restart r.21\npair_coeff * * {scene.map}\nneighbor 0.6 multi\n" + fixes
+    rest = lmp(again + "run 19\n", np=np_, files={"r.21": written.path / "r.21"})
+    assert [row["v_work"] for row in rest.thermo] == [row["v_work"] for row in plain[21:]]
+    if np_ == 1:  # on another number of processes: as a sum
+        two = lmp(again + "run 0\n", np=2, files={"r.21": written.path / "r.21"})
+        assert two.thermo[0]["v_work"] == pytest.approx(plain[21]["v_work"], rel=1e-12)
+
+
 def test_marks_in_a_slab(lmp, scenes):
     """Faces with their centroid in it; forces across its axis need not vanish, along it they do."""
     scene = scenes.single_cell(level=2)

@@ -223,6 +223,16 @@ def marked_rows(mesh, mark, data):
     return np.flatnonzero(np.nan_to_num(data[mark][mesh.faces].astype(float)) > 0.0)
 
 
+def lumen_faces(universe, mesh, book, mark="mark"):
+    """Number (m,) of the lumen that each face of a Mesh is at, -1: none; the largest is 0."""
+    finder = Lumens(universe, mark=mark, book=book)
+    finder._ts = universe.trajectory.ts
+    number = np.full(len(mesh.faces), -1)
+    for n, lumen in enumerate(finder.find(mesh)):
+        number[lumen["faces"]] = n
+    return number
+
+
 def unwrapped(mesh, rows):
     """Corners (m, 3, 3), um, of faces in one image of a periodic box, that of the first."""
     data = mesh.atoms.data
