@@ -69,10 +69,10 @@ ComputeDCMLumen::ComputeDCMLumen(LAMMPS *lmp, int narg, char **arg) :
                STYLE);
 
   vector_flag = array_flag = peratom_flag = 1;
-  size_vector = 1 + NVALUES;
+  size_vector = 2 + NVALUES;
   extvector = extarray = 0;
   vector = new double[size_vector]();
-  size_array_cols = NVALUES + 3;
+  size_array_cols = NVALUES + 4;
   size_array_rows = 0;
   size_array_rows_variable = 1;
   size_peratom_cols = 0;
@@ -201,10 +201,13 @@ void ComputeDCMLumen::measure()
     const Vec3 a = vec(d), b = a + (vec(x[face.v[1]]) - vec(x[face.v[0]])),
                c = a + (vec(x[face.v[2]]) - vec(x[face.v[0]]));
     const double shift = lumen.center[plane];
-    if (has_slab)
+    if (has_slab) {
       dcm::add_face_in_slab(lumen.sums, a, b, c, plane, lo - shift, hi - shift);
-    else
+      dcm::add_covered_in_slab(lumen.sums, a, b, c, plane, lo - shift, hi - shift);
+    } else {
       dcm::add_face(lumen.sums, a, b, c);
+      dcm::add_covered(lumen.sums, a, b, c);
+    }
     dcm::add_section(lumen.sums, a, b, c, plane, has_plane ? at - shift : 0.0);
   }
 
@@ -236,7 +239,9 @@ void ComputeDCMLumen::compute_vector()
   find();
   std::fill_n(vector, size_vector, 0.0);
   vector[0] = (double) lumens.size();
-  if (!lumens.empty()) values(lumens[0], vector + 1);
+  if (lumens.empty()) return;
+  values(lumens[0], vector + 1);
+  vector[1 + NVALUES] = lumens[0].sums.covered;    // last, as below: elements keep their numbers
 }
 
 void ComputeDCMLumen::compute_array()
@@ -254,6 +259,7 @@ void ComputeDCMLumen::compute_array()
     double x[3] = {lumens[n].center[0], lumens[n].center[1], lumens[n].center[2]};
     domain->remap(x);
     for (int k = 0; k < 3; k++) array[n][NVALUES + k] = x[k];
+    array[n][NVALUES + 3] = lumens[n].sums.covered;
   }
 }
 

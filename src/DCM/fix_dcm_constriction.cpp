@@ -122,6 +122,7 @@ void FixDCMConstriction::init()
 
 void FixDCMConstriction::setup(int /*vflag*/)
 {
+  check_edges();
   if (when != LUMEN) return;
   int field;
   if (!cell->cells().column("marked_area", field))
@@ -129,6 +130,28 @@ void FixDCMConstriction::setup(int /*vflag*/)
                "{}: nothing marks the faces at a lumen, so that no cell would ever constrict; add "
                "a fix dcm/osmosis, or use 'when born' or 'when time t'",
                STYLE);
+}
+
+/* ----------------------------------------------------------------------
+   a restart file gives cells their columns by name, but edges to the fix with the ID of the one that
+   wrote them; without these they would stay constricted for good
+------------------------------------------------------------------------- */
+
+void FixDCMConstriction::check_edges()
+{
+  if (sure) return;
+  sure = true;
+  const auto &table = cell->cells();
+  found.assign(table.size(), 0.0);
+  for (int i = 0; i < atom->nlocal; i++)
+    if (dcm->kind[i] == AtomVecDCM::NODE && nslots(i) > 0) found[cell->cell_of(i)] = 1.0;
+  cell->sum(found, 1);
+  for (const int row : table.all_deformable())
+    if ((*since)(row) >= 0.0 && found[row] == 0.0)
+      error->all(FLERR,
+                 "{}: cell {} of the restart file is constricted, but its edges are not known under "
+                 "the ID {}; give this fix the ID that it had in the run that wrote the file",
+                 STYLE, table[row].molecule, id);
 }
 
 /* ----------------------------------------------------------------------

@@ -74,6 +74,7 @@ class FixDCMConstriction : public Fix, public DCMRole {
   class FixDCMCell *cell;
   DCMRequest<> adjacency;
   DCMCellTable::Handle since;    // per cell: time when it began, < 0: it has not
+  bool sure = false;             // the edges of constricted cells are this fix's
   DCMCellTable::Handle share;    // of the ramp, 0 to 1
   bool warned = false;
 
@@ -88,6 +89,7 @@ class FixDCMConstriction : public Fix, public DCMRole {
   bool advance();
   void write_lengths();
   int nslots(int i) const;
+  void check_edges();
   void widen();
 };
 

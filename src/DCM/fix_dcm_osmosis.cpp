@@ -30,6 +30,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <cstring>
 #include <limits>
 
@@ -39,7 +40,7 @@ using dcm::vec;
 using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/osmosis";
-static constexpr int RECORD = 2;    // version of the restart record
+static constexpr int RECORD = 3;    // version of the restart record
 static constexpr double FOREVER = std::numeric_limits<double>::infinity();
 
 /* ----------------------------------------------------------------------
@@ -446,11 +447,14 @@ void FixDCMOsmosis::measure()
 
 void FixDCMOsmosis::write_restart(FILE *fp)
 {
-  now.work = compute_scalar();    // on all processes: what they sum up begins anew
-  worked = 0.0;
+  // the work of each process, not their sum: this run and one that continues from the file add up
+  // the same numbers in the same order, as if nothing had been written
+  std::vector<double> each(comm->nprocs);
+  MPI_Gather(&worked, 1, MPI_DOUBLE, each.data(), 1, MPI_DOUBLE, 0, world);
   if (comm->me != 0) return;
   DCMRecord record(lmp, STYLE, RECORD);
   record.put(now);
+  record.put(each);
   record.write(fp);
 }
 
@@ -459,6 +463,14 @@ void FixDCMOsmosis::restart(char *buf)
   DCMRecord record(lmp, STYLE, RECORD);
   record.load(buf);
   record.get(now);
+  std::vector<double> each;
+  record.get(each);
+  if ((int) each.size() == comm->nprocs) {
+    worked = each[comm->me];
+  } else {
+    now.work += std::accumulate(each.begin(), each.end(), 0.0);
+    worked = 0.0;
+  }
 }
 
 /* ----------------------------------------------------------------------

@@ -87,7 +87,7 @@ class FixDCMOsmosis : public Fix, public DCMRole {
     double clock, begun;    // time since the first setup, also if the deck resets that of LAMMPS;
                             // of the first mark, < 0: none yet
     double amount, counted, secreting;    // solute, when it was counted, area that secretes it
-    double work, lost;
+    double work, lost;    // work: of runs on another number of processes
     double center[3];    // volumes are measured from here
   } now;
 
@@ -100,7 +100,7 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   DCMRole *tracer;
   int *mark, *whole;    // per atom: face is marked; counts in full since a starter marked it
 
-  double acting, worked;    // pressure now; work of this process since it was last summed
+  double acting, worked;    // pressure now; work of this process
   bool measured;
   dcm::LumenSums sums;    // of the marked faces as they are now
   double wall, net;       // their area, size of the force on them

@@ -50,12 +50,12 @@ static_assert(static_cast<int>(dcm::LATERAL) == AtomVecDCM::LATERAL &&
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/polarity seed S [polar a] [form cone|belt] [apical b] [basal b|none]
-       [junction lo hi|auto|none] [free theta] [sees all|lumen] [weight count|area]
+       [junction lo hi|auto|none] [free theta] [sees all|lumen|outside] [weight count|area]
        [plane none|x|y|z] [init random|free|toward x y z|variable v_x v_y v_z] [freeze T] [every N]
 ------------------------------------------------------------------------- */
 
 FixDCMPolarity::FixDCMPolarity(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), seed(0), ribbon_auto(false), by_area(false), sees_lumen(false),
+    Fix(lmp, narg, arg), seed(0), ribbon_auto(false), by_area(false), sees(ALL),
     blind(false), marks(nullptr), theta(0.05), axis(-1), start_mode(RANDOM), point(Vec3::Zero()),
     freeze(600.0), dcm(nullptr), cell(nullptr), contact(nullptr), begun(false), warned(false),
     nturned(0), nclosed(0)
@@ -101,7 +101,7 @@ void FixDCMPolarity::parse(int narg, char **arg)
     } else if (args.is("free")) {
       theta = part();
     } else if (args.is("sees")) {
-      sees_lumen = args.choose({"all", "lumen"}) == 1;
+      sees = args.choose({"all", "lumen", "outside"});
     } else if (args.is("weight")) {
       by_area = args.choose({"count", "area"}) == 1;
     } else if (args.is("plane")) {
@@ -167,7 +167,7 @@ void FixDCMPolarity::init()
     junction_area = other->junction_area;
   }
   marks = DCMRole::marker_of(lmp);
-  if (sees_lumen && !marks && !blind) {
+  if (sees == LUMEN && !marks && !blind) {
     blind = true;
     if (comm->me == 0)
       error->warning(FLERR,

@@ -57,7 +57,9 @@ class FixDCMPolarity : public Fix, public DCMRole {
   bigint seed;
   dcm::SurfaceCones cones;
   bool ribbon_auto, by_area;    // by_area: faces count with their free area
-  bool sees_lumen, blind;       // only faces at a lumen count; warned that nothing marks them
+  enum { ALL, LUMEN, OUTSIDE };
+  int sees;                     // what turns A: free faces or those at a lumen; away from free ones
+  bool blind;                   // warned that nothing marks the faces at a lumen
   const DCMRole *marks;         // marks the faces at a lumen
   double theta;                 // a face with less than this part in contact is free
   int axis;                     // of a planar scene, -1: none

@@ -71,12 +71,12 @@ void FixDCMPolarity::sum_free_faces()
   const double *const covered = contact->contact_area();
   // marks of the step before: whoever makes them comes after this fix. A marked face counts in
   // contact as well, as those of a lumen that is just being opened
-  const int *const marked = sees_lumen && marks ? marks->marked_faces() : nullptr;
+  const int *const marked = sees == LUMEN && marks ? marks->marked_faces() : nullptr;
   for (int f = 0; f < cell->nowned(); f++) {
-    if (sees_lumen && !(marked && marked[faces[f].atom])) continue;
+    if (sees == LUMEN && !(marked && marked[faces[f].atom])) continue;
     const int row = faces[f].cell;
     const double area = cell->area(f), free = area - covered[faces[f].atom];
-    if (!due[row] || !(sees_lumen || area - free < theta * area)) continue;
+    if (!due[row] || !(sees == LUMEN || area - free < theta * area)) continue;
     const double weight = by_area ? free * table[row].nfaces / table[row].area : 1.0;
     sums[row].normals.add(weight * outward[f]);
     sums[row].nfree++;
@@ -98,7 +98,8 @@ void FixDCMPolarity::sum_free_faces()
 }
 
 /* ----------------------------------------------------------------------
-   A points to the free faces; it stays if there are none, or as many on all sides
+   A points to the free faces, or (sees outside) away from them; it stays if there are none, or as
+   many on all sides
 ------------------------------------------------------------------------- */
 
 void FixDCMPolarity::turn_cells()
@@ -109,7 +110,8 @@ void FixDCMPolarity::turn_cells()
     if (!due[row] || !polar(table[row])) continue;
     if (sums[row].nfree == 0) nclosed++;
     if (has_vectors(row) && stays(row)) continue;
-    const Vec3 now = dcm::direction(dcm::in_plane(sums[row].normals.value(), axis), LEAST_SUM);
+    Vec3 now = dcm::direction(dcm::in_plane(sums[row].normals.value(), axis), LEAST_SUM);
+    if (sees == OUTSIDE) now = -now;
     if (!(now.norm() > 0.5)) continue;
     if (has_vectors(row) && now.dot(A(row)) < FAR) nturned++;
     set(row, now, turned(row, P(row), now));

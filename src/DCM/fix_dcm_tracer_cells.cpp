@@ -21,6 +21,7 @@
 #include "fix_dcm_cell.h"
 #include "group.h"
 #include "law/random.h"
+#include "law/solid_angle.h"
 #include "law/triangle.h"
 #include "update.h"
 #include "utils.h"
@@ -117,7 +118,7 @@ void FixDCMTracer::shift(int i, const Vec3 &way)
 }
 
 /* ----------------------------------------------------------------------
-   at the start of a run: homes exist; in its first run tracers of the deck are where they say they
+   at the start of a run: tracers are no part of a cell and homes exist; in its first run tracers of the deck are where they say they
    are, and those that are missing are made
 ------------------------------------------------------------------------- */
 
@@ -135,6 +136,12 @@ void FixDCMTracer::setup_pre_exchange()
 
 void FixDCMTracer::check_homes()
 {
+  for (int i = 0; i < atom->nlocal; i++)
+    if (dcm->kind[i] == AtomVecDCM::TRACER && atom->molecule[i] != 0)
+      error->one(FLERR,
+                 "{}: tracer {} has molecule ID {}, must be 0: it is no part of a cell; do not set "
+                 "it, the cell a tracer is in is its home",
+                 STYLE, atom->tag[i], atom->molecule[i]);
   const auto &table = cell->cells();
   tagint wrong[2] = {0, 0};
   for (int i = 0; i < atom->nlocal; i++) {

@@ -19,6 +19,7 @@
 #include "dcm_allgather.h"
 #include "dcm_cell_bins.h"
 #include "dcm_compat.h"
+#include "law/solid_angle.h"
 #include "law/triangle.h"
 #include "law/volume.h"
 #include "error.h"
@@ -71,9 +72,7 @@ static void solid_angles(LAMMPS *lmp, const FixDCMCell *fix, const std::vector<B
       dcm_minimum_image(lmp->domain, a[0], a[1], a[2]);
       const Vec3 b = a + (vec(x[face.v[1]]) - vec(x[face.v[0]]));
       const Vec3 c = a + (vec(x[face.v[2]]) - vec(x[face.v[0]]));
-      const double la = a.norm(), lb = b.norm(), lc = c.norm();
-      angles[q] += 2.0 * std::atan2(a.dot(b.cross(c)),
-                                    la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
+      angles[q] += 4.0 * dcm::PI * dcm::face_winding(Vec3::Zero(), a, b, c);
     }
   }
   if (fix && !angles.empty())

@@ -387,6 +387,20 @@ def test_restart_is_bit_for_bit(lmp, scenes, np_):
     assert rest_lengths(again, 60) == rest_lengths(first, 60)
 
 
+def test_another_id_after_a_restart(lmp, scenes):
+    """The edges in the file are not found under it: an error, and not cells shortened for good."""
+    start, rest = moving(scenes, 30)
+    rest = rest.replace("timestep", "restart 20 r.*\ntimestep")
+    first = lmp(start + rest)
+    band = rest[rest.index(" band") : rest.index("\n", rest.index(" band"))]
+    named = constriction("ramp 30").split()[1]
+    deck = "read_restart r.20\n" + rest.replace(band, "")
+    deck = deck.replace(f"fix {named} ", "fix other ").replace(f"f_{named}", "f_other")
+    again = lmp(deck, check=False, files={"r.20": first.path / "r.20"})
+    assert "cell 1 of the restart file is constricted" in again.out
+    assert "under the ID other" in again.out and "Step" not in again.out.split("ERROR")[0][-400:]
+
+
 # --- bad input ------------------------------------------------------------------------------------
 
 STYLE = "Fix dcm/constriction"

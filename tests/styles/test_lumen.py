@@ -17,7 +17,7 @@ def lumen(options=""):
 
 
 def row_of(scenes, extra=()):
-    return scenes.thermo([*(f"l{k}=c_lumen[{k}]" for k in range(1, 8)), *extra], 1)
+    return scenes.thermo([*(f"l{k}=c_lumen[{k}]" for k in range(1, 9)), *extra], 1)
 
 
 @pytest.mark.parametrize("np_", [1, 2, 4])
@@ -30,7 +30,7 @@ def test_the_space_around_a_cell(lmp, scenes, np_):
         + "compute c all dcm/cell volume volume0 contact_area\n"
         + scenes.dump("id mol type c_p[1] c_p[2] c_p[3] c_p[4] c_c[1] c_c[2] c_c[3] c_lumen "
                       "xu yu zu vx vy vz fx fy fz", 1)
-        + row_of(scenes, ["x=c_lumen[1][7]", "v=c_lumen[1][1]"]) + "run 0\n",
+        + row_of(scenes, ["x=c_lumen[1][7]", "v=c_lumen[1][1]", "s=c_lumen[1][10]"]) + "run 0\n",
         np=np_,
     )  # fmt: skip
     row, frame = result.thermo[0], result.dump()[0]
@@ -50,9 +50,10 @@ def test_the_space_around_a_cell(lmp, scenes, np_):
     section = 0.5 * (points[:, 1] * after[:, 2] - points[:, 2] * after[:, 1]).sum()
     length = np.linalg.norm(after - points, axis=1).sum()
     expected = [1, -cell.volume, area, -section, 0, 1, -4 * math.pi * section / length**2]
+    expected.append(-1)  # the whole solid angle, seen from behind
     for k, value in enumerate(expected, 1):
         assert row[f"v_l{k}"] == pytest.approx(value, rel=1e-12, abs=1e-12), k
-    assert row["v_v"] == row["v_l2"]
+    assert row["v_v"] == row["v_l2"] and row["v_s"] == row["v_l8"]
     assert row["v_x"] == pytest.approx(0.0, abs=0.05)
     face = frame["c_p[1]"] == 4
     assert (frame["c_lumen"] == face).all()
@@ -77,7 +78,7 @@ def test_two_cells_apart_are_two(lmp, scenes):
             mine = (frame["mol"] == molecule) & (frame["type"] == 3)
             assert (frame["c_lumen"][mine] == (value if value <= number else 0)).all()
         if number == 0:
-            assert all(row[f"v_l{k}"] == 0 for k in range(1, 8))
+            assert all(row[f"v_l{k}"] == 0 for k in range(1, 9))
         else:
             assert row["v_l6"] == 1 and row["v_l2"] < -400
 

@@ -10,7 +10,7 @@ from lammps_dcm.__main__ import main
 ROOT = Path(__file__).resolve().parents[2]
 # names of the analysis -> elements of compute dcm/lumen
 ELEMENTS = {"lumens": 1, "volume": 2, "wall": 3, "section": 4, "closure": 5, "cells": 6,
-            "circularity": 7}
+            "circularity": 7, "covered": 8}
 
 
 @pytest.fixture(scope="module")

@@ -196,7 +196,7 @@ def test_1_2_3_and_4_ranks_agree(lmp, scenes, boundary):
         + "compute mark all dcm/face mark\n"
         + scene.motion()
         + scenes.dump("id mol type c_mark c_lumen xu yu zu", 20)
-        + values(scenes, 20, [f"l{k}=c_lumen[{k}]" for k in range(1, 8)])
+        + values(scenes, 20, [f"l{k}=c_lumen[{k}]" for k in range(1, 9)])
         + "timestep 1.0\nrun 100\n"
     )
     one = lmp(deck, files=files)
@@ -249,6 +249,30 @@ def test_restart_is_bit_for_bit(lmp, scenes, options, np_):
         for name in columns.split():
             assert (a[name] == b[name]).all(), (a.step, name)
     assert whole.thermo[9:] == rest.thermo
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+def test_writing_restart_files_changes_nothing(lmp, scenes, np_):
+    """Work is summed up as without them, to the last bit; a run that continues has the same."""
+    scene, files = ring_data(lmp, scenes)
+    fixes = (
+        "fix cell all dcm/cell\n" + scene.volume()
+        + osmosis("pressure 0.3 marks flood slab z -4 4 ramp 10") + scene.motion()
+        + "timestep 1.0\n" + scenes.thermo(["work=f_osm"], 1)
+    )  # fmt: skip
+    head = "processors * 1 1\n"
+    start = head + read() + scene.cortex() + scene.contact() + fixes
+    # not `restart N`, which has LAMMPS rebuild the neighbor lists in these steps
+    plain = lmp(start + "run 21\nrun 19\n", np=np_, files=files).thermo
+    written = lmp(start + "run 21\nwrite_restart r.21\nrun 19\n", np=np_, files=files)
+    assert [row["v_work"] for row in written.thermo] == [row["v_work"] for row in plain]
+    assert plain[-1]["v_work"] > 0.0
+    again = head + f"read_restart r.21\npair_coeff * * {scene.map}\nneighbor 0.6 multi\n" + fixes
+    rest = lmp(again + "run 19\n", np=np_, files={"r.21": written.path / "r.21"})
+    assert [row["v_work"] for row in rest.thermo] == [row["v_work"] for row in plain[-20:]]
+    if np_ == 1:  # on another number of processes: as a sum
+        two = lmp(again + "run 0\n", np=2, files={"r.21": written.path / "r.21"})
+        assert two.thermo[0]["v_work"] == pytest.approx(plain[-20]["v_work"], rel=1e-12)
 
 
 def test_marks_in_a_slab(lmp, scenes):

@@ -31,6 +31,24 @@ def test_sees_lumen(lmp, scenes):
     assert seen > 4
 
 
+@pytest.mark.parametrize("np_", [1, 2])
+def test_sees_outside(lmp, scenes, np_):
+    """A is opposite to the mean direction of the free faces of the step before: each cell of a
+    doublet turns its apical side to the other one, wherever it looked first."""
+    scene = scenes.doublet(level=2)
+    deck = deck_of(scene, scenes, "sees outside init toward 0 30 0 every 1")
+    frames = lmp(deck + "run 4\n", np=np_).dump()
+    for molecule in (1, 2):
+        first = Seen(frames[0], molecule)
+        assert first.A[1] > 0.8    # as it began: contacts are not known yet
+        for before, now in zip(frames[:-1], frames[1:], strict=True):
+            direction, length = Seen(before, molecule).free_direction()
+            assert length > 10.0
+            cell = Seen(now, molecule).check()
+            assert cell.A == pytest.approx(-direction, abs=1e-8)
+            assert cell.A[0] * (1 if molecule == 1 else -1) > 0.9
+
+
 def test_sees_lumen_without_marks(lmp, scenes):
     """Nothing marks faces: a warning, and A stays as it began."""
     scene = scenes.doublet(level=1)

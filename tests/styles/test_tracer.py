@@ -264,5 +264,10 @@ def test_bad_decks(lmp, doublet):
         "comm_modify cutoff",
         np=2,
     )
+    bad(
+        doublet(GOOD, 0, dump=False) + "set type 5 mol 1\n",
+        "Fix dcm/tracer: tracer .* has molecule ID 1, must be 0",
+        tracers=[(-6.0, 0.0, 0.0, 1)],
+    )
     named = doublet(GOOD, 0, dump=False).replace("NULL NULL", "NULL hepatoblast", 4)
     bad(named, "atom type 5 of tracers has a cell type in pair_coeff")

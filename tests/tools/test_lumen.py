@@ -29,6 +29,7 @@ def test_inverted_icosphere_is_a_closed_lumen(level):
     lumen = measure(corners, np.zeros(len(faces)), plane=(2, 7.0))
     assert lumen["volume"] == pytest.approx(volume, rel=1e-12)
     assert lumen["closure"] < 1e-14
+    assert lumen["covered"] == pytest.approx(1.0, abs=1e-12)
     assert (lumen["x"], lumen["y"], lumen["z"]) == pytest.approx((30, -20, 7), abs=1e-12)
     assert lumen["wall"] == pytest.approx(np.linalg.norm(np.cross(
         corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2)
@@ -92,6 +93,21 @@ def test_tube_in_a_slab():
         4 * np.pi * lumen["section"] / (23 * chord) ** 2, rel=1e-12)
 
 
+def test_solid_angles():
+    from lammps_dcm.lumen import solid_angle
+
+    octant = np.eye(3) * [1.0, 2.0, 0.5]
+    assert solid_angle(octant[None]) == pytest.approx([0.125], abs=1e-14)
+    assert solid_angle(octant[None, ::-1]) == pytest.approx([-0.125], abs=1e-14)
+    side = np.array([[(1, -1, -1), (1, 1, -1), (1, 1, 1)], [(1, -1, -1), (1, 1, 1), (1, -1, 1)]])
+    assert solid_angle(side.astype(float)).sum() == pytest.approx(1 / 6, abs=1e-14)
+    # a square tube of half width d, cut off at -h and h
+    d, h = 5.0 / np.sqrt(2.0), 2.0
+    lumen = measure(tube(5.0, -3.0, 3.0, sides=4), np.zeros(48), (2, 0.0), (-h, h))
+    assert lumen["covered"] == pytest.approx(
+        4.0 * np.arctan(h / np.sqrt(2.0 * d * d + h * h)) / np.pi, rel=1e-12)
+
+
 def test_segments_have_the_outside_on_their_left():
     corners, _, _ = sphere(2.0, inverted=False)
     _, ends = cut(corners, 2, 0.1)
@@ -143,6 +159,7 @@ def test_lumen_table_and_plot(ring, tmp_path):
     closed, lumen = csv.DictReader(out.open())
     assert (closed["lumens"], closed["volume"], closed["cells"]) == ("0", "0", "0")
     assert (lumen["lumens"], lumen["cells"], lumen["step"]) == ("1", "4", "7200")
+    assert closed["covered"] == "0" and 0.3 < float(lumen["covered"]) < 1.0    # not up and down
     assert 5.0 < float(lumen["section"]) < 4.3 ** 2
     assert float(lumen["closure"]) < 1e-2    # symmetric, so that what is missing cancels
     assert (float(lumen["x"]), float(lumen["y"])) == pytest.approx((0, 0), abs=1e-6)

@@ -63,6 +63,52 @@ def test_every_coloring(files, tmp_path, color):
     assert picture(out).std() > 0.01
 
 
+@pytest.fixture
+def around(scene, tmp_path):
+    """Two cells side by side; of the faces toward the middle those near the axis are marked."""
+    scene.dcm((-5, 0, 0), 5.0, level=3)
+    scene.dcm((5, 0, 0), 5.0, level=3)
+    marked = lambda r: float(r["kind"] == 4 and abs(r["x"]) < 1.0)    # noqa: E731
+    (tmp_path / "dump").write_text(scene.frame(
+        0, mark=marked, region=lambda r: 2.0 * marked(r)) + scene.frame(
+        9, mark=lambda r: 0.0, region=lambda r: 0.0))
+    return [str(tmp_path / "dump"), "--data", str(scene.data_file(tmp_path / "data"))]
+
+
+def test_lumens_regions_and_marks_in_space(around):
+    import lammps_dcm
+    from lammps_dcm.render import LUMENS, make_picture
+    from matplotlib.colors import to_rgb
+
+    u = lammps_dcm.load(around[2], around[0])
+    u.trajectory[0]
+    picture = make_picture(u, lumen=True)
+    x = picture.points[picture.triangles].mean(axis=1)[:, 0]
+    assert 20 < picture.solid.sum() and (picture.solid == (abs(x) < 1.0)).all()
+    assert (picture.face_rgb[picture.solid] == to_rgb(LUMENS[0])).all()    # both walls: one lumen
+    assert "lumen 1" in picture.legend and "lumen 2" not in picture.legend
+    for color, one in (("region", "apical"), ("mark", "marked")):
+        picture = make_picture(u, color)
+        mine = (picture.face_rgb == to_rgb(picture.legend[one])).all(axis=1)
+        assert (mine == (abs(x) < 1.0)).all() and not picture.solid.any()
+    u.trajectory[1]
+    picture = make_picture(u, lumen=True)
+    assert not picture.solid.any() and "lumen 1" not in picture.legend
+
+
+@pytest.mark.parametrize("engine", ["auto", "matplotlib"])
+def test_the_lumen_shows_through_the_cells(around, tmp_path, engine):
+    """Seen along x a cell stands in front of it; without --lumen it hides it."""
+    def blue(*options):
+        out = tmp_path / "p.png"
+        assert main(["render", *around, "-o", str(out), "--engine", engine, "--size", "300",
+                     "--view", "yz", "--frame", "0", *options]) == 0
+        middle = picture(out)[130:170, 130:170].reshape(-1, 3)
+        return np.median(middle[:, 2] - middle[:, 0])
+
+    assert blue("--lumen", "--names", "1=a") > blue("--color", "region") + 0.1
+
+
 def test_pressure_is_that_of_the_frame(scene, tmp_path):
     import lammps_dcm
     from lammps_dcm.render import make_picture
@@ -111,7 +157,7 @@ def test_all_frames(files, tmp_path):
 @pytest.mark.parametrize("words, says", [
     ("--frame 9", "there are 2 frames"), ("--color wine", "--color wine"),
     ("--color pressure", "--bulk-modulus"), ("--bulk-modulus 1=x --color pressure", "--bulk-mod"),
-    ("--rename q", "--rename q"), ("--data /nowhere/data", "/nowhere/data"),
+    ("--lumen", "column mark"), ("--color mark", "column mark"), ("--rename q", "--rename q"), ("--data /nowhere/data", "/nowhere/data"),
     ("--rename contact_area=q --color contact", "compute dcm/face")])
 def test_render_messages(files, tmp_path, words, says, capsys):
     assert main(["render", *files, "-o", str(tmp_path / "p.png"), *words.split()]) == 1

@@ -8,6 +8,7 @@
 
 #include "law/mesh.h"
 #include "law/random.h"
+#include "law/solid_angle.h"
 #include "law/tracer.h"
 #include "helpers.h"
 

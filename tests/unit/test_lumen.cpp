@@ -136,6 +136,62 @@ TEST(Lumen, SlabOfATube)
   EXPECT_NEAR(open.missing_outline(), 1.0 / 11.0, 1.0e-13);
 }
 
+TEST(Lumen, Covered)
+{
+  const auto covered = [](const Mesh &wall, const Vec3 &center, auto &&counts) {
+    LumenSums sums;
+    for (const auto &f : wall.faces) {
+      const Vec3 a = wall.nodes[f[0]] - center, b = wall.nodes[f[1]] - center,
+                 c = wall.nodes[f[2]] - center;
+      if (counts(Vec3((a + b + c) / 3.0))) add_covered(sums, a, b, c);
+    }
+    return sums.covered;
+  };
+  const auto all = [](const Vec3 &) {
+    return true;
+  };
+  const Mesh sphere = inside_out(icosphere(2)), cube = inside_out(box(2, 2, 2));
+  const Vec3 mid(1, 1, 1);
+  for (const Vec3 &center : {Vec3(0, 0, 0), Vec3(0.3, -0.2, 0.1)})
+    EXPECT_NEAR(covered(sphere, center, all), 1.0, 1.0e-13);
+  EXPECT_NEAR(covered(inside_out(dented(2, 3)), Vec3::Zero(), all), 1.0, 1.0e-13);
+  EXPECT_NEAR(covered(sphere, Vec3(2, 1, 0), all), 0.0, 1.0e-13);
+  EXPECT_NEAR(covered(icosphere(2), Vec3::Zero(), all), -1.0, 1.0e-13);    // a cell is no lumen
+  const auto side = [](const Vec3 &x) {
+    return x[1] > 0.999;
+  };
+  EXPECT_NEAR(covered(cube, mid, side), 1.0 / 6.0, 1.0e-14);
+  // of an octahedron, which has a face in each octant
+  Mesh octahedron;
+  for (int k = 0; k < 6; k++) octahedron.nodes.push_back((k < 3 ? 1.0 : -1.0) * Vec3::Unit(k % 3));
+  for (int k = 0; k < 8; k++) {
+    const int x = k & 1 ? 3 : 0, y = k & 2 ? 4 : 1, z = k & 4 ? 5 : 2;
+    const bool turned = ((k & 1) + (k >> 1 & 1) + (k >> 2)) % 2;
+    octahedron.faces.push_back({x, turned ? y : z, turned ? z : y});
+  }
+  EXPECT_NEAR(covered(octahedron, Vec3::Zero(), all), 1.0, 1.0e-14);
+  const auto octant = [](const Vec3 &x) {
+    return x.minCoeff() > 0.0;
+  };
+  EXPECT_NEAR(covered(octahedron, Vec3::Zero(), octant), 0.125, 1.0e-14);
+}
+
+TEST(Lumen, WhatATubeCovers)
+{
+  // a square tube of half width d, cut off at -h and h: each side is a rectangle at distance d, of
+  // solid angle 4 atan(d h/(d sqrt(2 d^2 + h^2)))
+  const double d = 1.5, h = 2.0;
+  const Mesh wall = tube(4, d * std::sqrt(2.0), -5.0, 7.0);
+  LumenSums sums, none;
+  for (const auto &f : wall.faces) {
+    const Vec3 &a = wall.nodes[f[0]], &b = wall.nodes[f[1]], &c = wall.nodes[f[2]];
+    add_covered_in_slab(sums, a, b, c, 2, -h, h);
+    add_covered_in_slab(none, a, b, c, 2, 8.0, 9.0);
+  }
+  EXPECT_NEAR(sums.covered, 4.0 * std::atan(h / std::sqrt(2.0 * d * d + h * h)) / PI, 1.0e-13);
+  EXPECT_EQ(none.covered, 0.0);
+}
+
 TEST(Lumen, MeasuresTurnWithTheLumen)
 {
   Random random(17, 0, 0);

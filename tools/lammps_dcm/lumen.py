@@ -14,7 +14,7 @@ from .mesh import minimum_image, triangle_vectors
 from .table import write_columns
 
 AXES = "xyz"
-COLUMNS = ("volume", "wall", "section", "closure", "cells", "circularity", "x", "y", "z")
+COLUMNS = ("volume", "wall", "section", "closure", "cells", "circularity", "x", "y", "z", "covered")
 
 
 # ---------------------------------------------------------------------- geometry
@@ -100,6 +100,16 @@ def clipped(corners, axis, low, high):
     return np.concatenate(pieces)
 
 
+def solid_angle(corners):
+    """Part of all directions, seen from the origin, that triangles (m, 3, 3) cover: (m,), negative
+    for those that show the origin their front (van Oosterom and Strackee 1983)."""
+    length = np.linalg.norm(corners, axis=2)
+    below = length.prod(axis=1)
+    for k in range(3):
+        below += length[:, k] * (corners[:, k - 1] * corners[:, k - 2]).sum(axis=1)
+    return np.arctan2(np.linalg.det(corners), below) / (2.0 * np.pi)
+
+
 def measure(corners, cell, plane=None, slab=None):
     """Measures of one lumen with wall `corners` (m, 3, 3), um, of the cells `cell` (m,).
 
@@ -108,7 +118,8 @@ def measure(corners, cell, plane=None, slab=None):
     it is closed all around. Returns a dict of
     COLUMNS: volume, um^3; wall, um^2; section, um^2, NaN without plane; closure, what is missing of
     the outline (tube) or of the wall, as a fraction; cells: how many; circularity 4 pi S / L^2 of
-    the section; x, y, z: centroid of the wall.
+    the section; x, y, z: centroid of the wall; covered: part of all directions in which there is
+    wall, seen from the centroid.
     """
     middle = corners.mean(axis=1)
     vectors = triangle_vectors(corners)
@@ -134,10 +145,12 @@ def measure(corners, cell, plane=None, slab=None):
         arm = middle - center
         result["volume"] = -0.5 * (vectors[:, [a, b]] * arm[:, [a, b]]).sum()
         result["closure"] = missing / length if length > 0.0 else 0.0
+        corners = parts
     else:
         result["volume"] = -(vectors * (middle - center)).sum() / 3.0
         result["closure"] = np.linalg.norm(vectors.sum(axis=0)) / area.sum()
     result["wall"] = np.linalg.norm(vectors, axis=1).sum()
+    result["covered"] = -solid_angle(corners - center).sum()
     return result
 
 
@@ -150,8 +163,8 @@ class Lumens(MeshAnalysis):
     the lumen of a face, from `compute dcm/lumen`; if the dump lacks it, lumens are found here.
     plane, slab: see measure(). smallest: least wall of a lumen, um^2.
     results.number: (frames,); results.lumens: per frame a list of dicts, see measure(); results.
-    volume, wall, section, closure, cells, circularity, x, y, z: (frames,), those of the largest,
-    zeros (closure, circularity and place: NaN) where there is none.
+    volume, wall, section, closure, cells, circularity, x, y, z, covered: (frames,), those of the
+    largest, zeros (closure, circularity and place: NaN) where there is none.
     """
 
     def __init__(self, universe, mark="mark", component="lumen", plane=None, slab=None,
@@ -198,7 +211,7 @@ class Lumens(MeshAnalysis):
         lumens = self.results.lumens
         self.results.number = np.array([len(found) for found in lumens])
         for name in COLUMNS:
-            none = 0.0 if name in ("volume", "wall", "section", "cells") else np.nan
+            none = np.nan if name in ("closure", "circularity", *AXES) else 0.0
             self.results[name] = np.array([found[0][name] if found else none for found in lumens])
 
 
@@ -208,6 +221,16 @@ def marked_rows(mesh, mark, data):
         raise ValueError(f"the dump has no column {mark}: add `mark` of compute dcm/face, or name "
                          f"it with --rename COLUMN={mark}")
     return np.flatnonzero(np.nan_to_num(data[mark][mesh.faces].astype(float)) > 0.0)
+
+
+def lumen_faces(universe, mesh, book, mark="mark"):
+    """Number (m,) of the lumen that each face of a Mesh is at, -1: none; the largest is 0."""
+    finder = Lumens(universe, mark=mark, book=book)
+    finder._ts = universe.trajectory.ts
+    number = np.full(len(mesh.faces), -1)
+    for n, lumen in enumerate(finder.find(mesh)):
+        number[lumen["faces"]] = n
+    return number
 
 
 def unwrapped(mesh, rows):
@@ -232,7 +255,8 @@ def parse_plane(text):
 def add_arguments(parser):
     """Options of `lumen`."""
     parser.epilog = ("A row per frame: number of lumens, then volume, wall, section, closure, "
-                     "cells around, circularity and place of the largest.")
+                     "cells around, circularity, place and covered solid angle of the "
+                     "largest.")
     add_input(parser, pressures=False)
     parser.add_argument("--plane", metavar="AXIS[=AT]", help="plane of the section, such as z")
     parser.add_argument("--slab", nargs=2, type=float, metavar=("LOW", "HIGH"), help="the lumen is "

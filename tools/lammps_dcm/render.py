@@ -13,7 +13,9 @@ from tqdm import tqdm
 from .analysis import CellPressure
 from .frame_atoms import AtomBook
 from .inputs import add_input, bulk_modulus_of, chosen_frames, load_run, pairs
+from .lumen import lumen_faces, marked_rows
 from .mesh import Mesh, triangle_vectors
+from .section import REGION_COLORS, WALL
 from .topology import CENTER, FACE, NODE, REGION_NAMES, SPHERE
 
 VIEWS = {"xy": (0, 0, 1), "xz": (0, -1, 0), "yz": (1, 0, 0), "iso": (1, -1, 0.8)}
@@ -21,13 +23,17 @@ UP = {"xy": (0, 1, 0), "xz": (0, 0, 1), "yz": (0, 0, 1), "iso": (0, 0, 1)}
 PALETTE = ["#4c78a8", "#f58518", "#54a24b", "#e45756", "#72b7b2", "#eeca3b", "#b279a2", "#ff9da6",
            "#9d755d", "#bab0ac"]
 GREY = 0.75
+# lumens, the largest first
+LUMENS = ["#1c7ed6", "#a61e4d", "#5f3dc4", "#087f5b"]
+FAINT = 0.2    # opacity of cells around a lumen that is drawn
 
 
 @dataclass
 class Picture:
     """What to draw. points (n, 3) um and triangles (m, 3) rows of points: the surfaces; centers
     (s, 3), radii (s,) um: spheres; dots (t, 3): tracers; face_rgb (m, 3), sphere_rgb (s, 3);
-    bar: None or (title, low, high) of a color scale; legend: dict of label -> color; title."""
+    bar: None or (title, low, high) of a color scale; legend: dict of label -> color; title;
+    solid (m,): faces of a lumen, drawn opaque where cells are translucent."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -39,6 +45,7 @@ class Picture:
     bar: tuple
     legend: dict
     title: str
+    solid: np.ndarray
 
 
 def categories(face_values, sphere_values, label, called=None, known=()):
@@ -53,6 +60,15 @@ def categories(face_values, sphere_values, label, called=None, known=()):
     legend = {(called or {}).get(name, f"{label} {name}".strip()): color[name]
               for name in order if name in names} if len(names) <= len(PALETTE) else {}
     return rgb[:len(face_values)], rgb[len(face_values):], legend
+
+
+def named_colors(names, colors, on_spheres):
+    """Colors of names (m,) from a dict, spheres in gray: ((m, 3), (s, 3), legend of those there)."""
+    from matplotlib.colors import to_rgb
+
+    rgb = np.array([to_rgb(colors[name]) for name in names]).reshape(-1, 3)
+    there = set(names)
+    return rgb, np.full((on_spheres, 3), GREY), {n: c for n, c in colors.items() if n in there}
 
 
 def cell_colors(face_cells, sphere_cells):
@@ -86,8 +102,8 @@ def column_values(universe, mesh, spheres, name):
     data = universe.trajectory.ts.data
     if name not in data or np.ndim(data[name]) != 1:
         columns = [c for c, v in data.items() if np.ndim(v) == 1 and len(v) == len(universe.atoms)]
-        raise ValueError(f"--color {name}: neither cell, type, region, pressure, contact nor a "
-                         f"column of the dump, which has {' '.join(columns)}")
+        raise ValueError(f"--color {name}: neither cell, type, region, mark, pressure, contact nor "
+                         f"a column of the dump, which has {' '.join(columns)}")
     values = data[name]
     faces = values[mesh.faces]
     if not np.nan_to_num(faces.astype(float)).any():
@@ -97,9 +113,9 @@ def column_values(universe, mesh, spheres, name):
 
 
 def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modulus=None,
-                 names=None, book=None):
+                 names=None, book=None, lumen=False):
     """Picture of the current frame of a Universe, colored by `color` (see the command's help).
-    book: AtomBook of the Universe, to be shared by several pictures."""
+    lumen: the walls of lumens in colors of their own. book: AtomBook of the Universe, to be shared by several pictures."""
     book = book or AtomBook(universe)
     ts, atoms = universe.trajectory.ts, book.frame()
     xyz, spheres = atoms.xyz, atoms.spheres()
@@ -134,8 +150,12 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
         raise ValueError(f"--color {color}: the frame has no deformable cells; use type or cell")
     elif color == "region":
         regions = [REGION_NAMES.get(int(r), "?") for r in atoms.region[mesh.faces]]
-        face_rgb, sphere_rgb, legend = categories(np.array(regions, dtype=object),
-                                                  np.full(len(spheres), "sphere"), "")
+        face_rgb, sphere_rgb, legend = named_colors(regions, REGION_COLORS, len(spheres))
+    elif color == "mark":
+        marked = np.full(len(mesh.faces), "not marked", dtype=object)
+        marked[marked_rows(mesh, "mark", ts.data)] = "marked"
+        face_rgb, sphere_rgb, legend = named_colors(
+            marked, {"marked": WALL, "not marked": "#cfe3dc"}, len(spheres))
     elif color == "pressure":
         if bulk_modulus is None:
             raise ValueError("--color pressure: give the bulk modulus, --bulk-modulus K_V (kPa)")
@@ -154,8 +174,18 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
     else:
         faces, on_spheres = column_values(universe, mesh, spheres, color)
         face_rgb, sphere_rgb, bar = scale(faces, on_spheres, color, limits, cmap)
+    solid = np.zeros(len(triangles), dtype=bool)
+    if lumen and mesh is not None:
+        from matplotlib.colors import to_rgb
+
+        number = lumen_faces(universe, mesh, book)
+        solid = number >= 0
+        palette = np.array([to_rgb(c) for c in LUMENS])
+        face_rgb[solid] = palette[number[solid] % len(LUMENS)]
+        for n in range(min(number.max(initial=-1) + 1, len(LUMENS))):
+            legend[f"lumen {n + 1}"] = LUMENS[n]
     return Picture(points, triangles, xyz[spheres], radii, xyz[atoms.tracers()],
-                   face_rgb, sphere_rgb, bar, legend, f"step {ts.data.get('step', 0)}")
+                   face_rgb, sphere_rgb, bar, legend, f"step {ts.data.get('step', 0)}", solid)
 
 
 def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cmap="viridis"):
@@ -168,11 +198,14 @@ def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cm
     plotter = pyvista.Plotter(off_screen=True, window_size=(size, size))
     plotter.set_background("white")
     light = dict(smooth_shading=True, specular=0.2, specular_power=10)
-    if len(picture.triangles):
-        faces = np.column_stack([np.full(len(picture.triangles), 3), picture.triangles])
+    for part, alpha in ((picture.solid, 1.0), (~picture.solid, opacity)):
+        if not part.any():
+            continue
+        triangles = picture.triangles[part]
+        faces = np.column_stack([np.full(len(triangles), 3), triangles])
         surface = pyvista.PolyData(picture.points, faces.ravel())
-        surface.cell_data["rgb"] = (255 * picture.face_rgb).astype(np.uint8)
-        plotter.add_mesh(surface, scalars="rgb", rgb=True, opacity=opacity, show_edges=edges,
+        surface.cell_data["rgb"] = (255 * picture.face_rgb[part]).astype(np.uint8)
+        plotter.add_mesh(surface, scalars="rgb", rgb=True, opacity=alpha, show_edges=edges,
                          edge_opacity=0.5, line_width=1, **light)
     if len(picture.centers):
         cloud = pyvista.PolyData(picture.centers)
@@ -180,7 +213,8 @@ def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cm
         cloud["rgb"] = (255 * picture.sphere_rgb).astype(np.uint8)
         ball = pyvista.Sphere(radius=1.0, theta_resolution=40, phi_resolution=40)
         plotter.add_mesh(cloud.glyph(geom=ball, scale="radius", orient=False, factor=1.0),
-                         scalars="rgb", rgb=True, **light)
+                         scalars="rgb", rgb=True, opacity=opacity if picture.solid.any() else 1.0,
+                         **light)
     if len(picture.dots):
         plotter.add_points(picture.dots, color="crimson", point_size=4)
     if picture.bar:
@@ -223,7 +257,9 @@ def draw_matplotlib(picture, output, view="xy", size=1200, edges=False, opacity=
         colors.append(rgb * dark)
     figure = pyplot.figure(figsize=(size / 120, size / 120), dpi=120)
     axes = figure.add_subplot(projection="3d", proj_type="ortho")
-    colors = np.column_stack([np.vstack(colors), np.full(len(polygons), opacity)])
+    alpha = np.full(len(polygons), opacity)
+    alpha[:len(corners)][picture.solid] = 1.0
+    colors = np.column_stack([np.vstack(colors), alpha])
     axes.add_collection3d(Poly3DCollection(polygons, facecolors=colors,
                                            edgecolors="k" if edges else "none", linewidths=0.2))
     if len(picture.dots):
@@ -290,8 +326,8 @@ def add_arguments(parser):
     parser.add_argument("--frame", default="-1", help="number from 0, from the end if negative, "
                         "or all: one numbered picture each (default: %(default)s)")
     parser.add_argument("-o", "--output", default="frame.png", help="default: %(default)s")
-    parser.add_argument("--color", default="type", help="type, cell, region, pressure, contact, "
-                        "or any column of the dump (default: %(default)s)")
+    parser.add_argument("--color", default="type", help="type, cell, region, mark, pressure, "
+                        "contact, or any column of the dump (default: %(default)s)")
     parser.add_argument("--names", metavar="TYPE=NAME,...", help="names of atom types (of "
                         "centers and spheres) for the legend")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"),
@@ -305,7 +341,10 @@ def add_arguments(parser):
                         help="what a section shows, um; by default all deformable cells")
     parser.add_argument("--size", type=int, default=1200, help="width and height, pixel")
     parser.add_argument("--edges", action="store_true", help="draw the mesh")
-    parser.add_argument("--opacity", type=float, default=1.0, help="of the deformable cells")
+    parser.add_argument("--lumen", action="store_true", help="the marked walls of lumens (dump "
+                        "column mark) in a color of their own, cells translucent")
+    parser.add_argument("--opacity", type=float, help="of the deformable cells; default 1, with "
+                        f"--lumen {FAINT:g}, and then of spheres too")
     parser.add_argument("--engine", choices=["auto", "vtk", "matplotlib"], default="auto")
 
 
@@ -321,14 +360,15 @@ def run(args, words):
     if args.section:
         run_sections(args, universe, book, frames, output)
         return
+    opacity = args.opacity if args.opacity is not None else FAINT if args.lumen else 1.0
     for frame in tqdm(frames, desc="rendering", disable=None if len(frames) > 1 else True):
         universe.trajectory[frame]
         picture = make_picture(universe, args.color, args.limits, args.cmap,
                                bulk_modulus_of(args.bulk_modulus),
-                               pairs(args.names, "--names"), book)
+                               pairs(args.names, "--names"), book, args.lumen)
         name = numbered(output, args.frame, frame)
         engine = draw(picture, name, args.engine, view=args.view, size=args.size,
-                      edges=args.edges, opacity=args.opacity, cmap=args.cmap)
+                      edges=args.edges, opacity=opacity, cmap=args.cmap)
         if len(frames) == 1:
             print(f"wrote {name} ({engine}, {picture.title}, frame {frame} of {count})")
     if len(frames) > 1:

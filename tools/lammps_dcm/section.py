@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .lumen import Lumens, cut, in_plane
+from .lumen import cut, in_plane, lumen_faces
 from .mesh import Mesh
 from .topology import REGION_NAMES
 
@@ -98,11 +98,7 @@ def make_section(universe, axis, at=0.0, book=None, mark="mark", thickness=1.5):
             name = REGION_NAMES.get(int(number), "?")
             section.lines.append((ends[region == number], name))
         if mark in ts.data:
-            finder = Lumens(universe, mark=mark, book=book)
-            finder._ts = ts
-            number = np.full(len(mesh.faces), -1)
-            for n, lumen in enumerate(finder.find(mesh)):
-                number[lumen["faces"]] = n
+            number = lumen_faces(universe, mesh, book, mark)
             section.walls = ends[number[rows] >= 0]
             for n in range(number.max(initial=-1) + 1):
                 own = ends[number[rows] == n]

@@ -1,12 +1,14 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
 // Measures of a lumen from the cells' faces that bound it, whose normals point into the lumen:
-// volume, wall, closure; in a slab of a planar tissue, whose tube of a lumen has no lids; and its
-// section with a plane. Positions are relative to a point near the lumen. Lengths in um.
+// volume, wall, closure, what it covers; in a slab of a planar tissue, whose tube of a lumen has no
+// lids; and its section with a plane. Positions are relative to a point near the lumen. Lengths in
+// um.
 
 #ifndef DCM_LUMEN_H
 #define DCM_LUMEN_H
 
+#include "solid_angle.h"
 #include "vector.h"
 
 #include <cmath>
@@ -20,6 +22,7 @@ struct LumenSums {
   Vec3 area_vector = Vec3::Zero();          ///< sum of A n, zero if closed
   double section = 0.0, perimeter = 0.0;    ///< of the outline in the plane
   Vec3 outline = Vec3::Zero();              ///< sum of its sides, zero if closed
+  double covered = 0.0;                     ///< part of all directions in which there is wall
 
   void add(const LumenSums &other)
   {
@@ -29,6 +32,7 @@ struct LumenSums {
     section += other.section;
     perimeter += other.perimeter;
     outline += other.outline;
+    covered += other.covered;
   }
 
   /// |sum A n|/sum A, 0 if closed.
@@ -68,14 +72,21 @@ inline void add_face(LumenSums &sums, const Vec3 &a, const Vec3 &b, const Vec3 &
   sums.area_vector += n;
 }
 
-/// The same for a tube along an axis (0 to 2) that is cut off at lo and hi: with the field
-/// (x, y, 0)/2, of divergence 1, the open ends do not count. The part of the face between lo and
-/// hi; of its area vector what lies across the axis.
-inline void add_face_in_slab(LumenSums &sums, const Vec3 &a, const Vec3 &b, const Vec3 &c, int axis,
-                             double lo, double hi)
+/// What a face covers of the full solid angle as seen from the origin, the middle of the wall. A
+/// part of the wall that is seen from behind counts negative: all together 1 if closed around it.
+inline void add_covered(LumenSums &sums, const Vec3 &a, const Vec3 &b, const Vec3 &c)
 {
-  Vec3 polygon[6] = {a, b, c}, cut[6];
+  sums.covered -= face_winding(Vec3::Zero(), a, b, c);
+}
+
+/// Corners of the part of a face that lies between lo and hi along an axis (0 to 2), fewer than 3
+/// if there is none.
+inline int cut_to_slab(Vec3 (&polygon)[6], const Vec3 &a, const Vec3 &b, const Vec3 &c, int axis,
+                       double lo, double hi)
+{
+  Vec3 cut[6];
   int n = 3;
+  polygon[0] = a, polygon[1] = b, polygon[2] = c;
   for (int side = 0; side < 2; side++) {
     int m = 0;
     for (int k = 0; k < n; k++) {
@@ -86,8 +97,19 @@ inline void add_face_in_slab(LumenSums &sums, const Vec3 &a, const Vec3 &b, cons
     }
     n = m;
     for (int k = 0; k < n; k++) polygon[k] = cut[k];
-    if (n < 3) return;
+    if (n < 3) break;
   }
+  return n;
+}
+
+/// The same for a tube along an axis that is cut off at lo and hi: with the field (x, y, 0)/2, of
+/// divergence 1, the open ends do not count. The part of the face between lo and hi; of its area
+/// vector what lies across the axis.
+inline void add_face_in_slab(LumenSums &sums, const Vec3 &a, const Vec3 &b, const Vec3 &c, int axis,
+                             double lo, double hi)
+{
+  Vec3 polygon[6];
+  const int n = cut_to_slab(polygon, a, b, c, axis, lo, hi);
   for (int k = 2; k < n; k++) {
     Vec3 normal = 0.5 * (polygon[k - 1] - polygon[0]).cross(polygon[k] - polygon[0]);
     Vec3 mid = (polygon[0] + polygon[k - 1] + polygon[k]) / 3.0;
@@ -96,6 +118,15 @@ inline void add_face_in_slab(LumenSums &sums, const Vec3 &a, const Vec3 &b, cons
     sums.volume -= 0.5 * normal.dot(mid);
     sums.area_vector += normal;
   }
+}
+
+/// What the part of a face between lo and hi covers.
+inline void add_covered_in_slab(LumenSums &sums, const Vec3 &a, const Vec3 &b, const Vec3 &c,
+                                int axis, double lo, double hi)
+{
+  Vec3 polygon[6];
+  const int n = cut_to_slab(polygon, a, b, c, axis, lo, hi);
+  for (int k = 2; k < n; k++) add_covered(sums, polygon[0], polygon[k - 1], polygon[k]);
 }
 
 /// What a face adds to the outline in the plane at `at` across an axis (0 to 2).

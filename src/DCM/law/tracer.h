@@ -92,17 +92,6 @@ struct TracerCounts {
   }
 };
 
-/// Solid angle of a face seen from x, over 4 pi. Its sum over a closed surface is 1 inside and 0
-/// outside (van Oosterom and Strackee 1983).
-inline double face_winding(const Vec3 &x, const Vec3 &p, const Vec3 &q, const Vec3 &r)
-{
-  const Vec3 a = p - x, b = q - x, c = r - x;
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  return std::atan2(a.dot(b.cross(c)),
-                    la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb) /
-         (2.0 * PI);
-}
-
 /// Moves tracers among faces. Faces: size() and [f], a TracerFace. One per process.
 template <class Faces> class TracerWalk {
  public:
