@@ -78,8 +78,8 @@ class Run:
     def failed(self):
         return (self.folder / "failed").exists()
 
-    def prepare(self, deck, again=False):
-        """Make the folder; `again`: forget a failure."""
+    def prepare(self, deck, again=False, files=()):
+        """Make the folder; `again`: forget a failure; `files`: take the place of the deck's."""
         self.folder.mkdir(parents=True, exist_ok=True)
         given = " ".join(f"{k}={v}" for k, v in sorted(self.variables.items()))
         note = self.folder / "variables"
@@ -90,6 +90,8 @@ class Run:
         for file in Path(deck).parent.iterdir():
             if file.is_file() and not file.name.startswith("log."):
                 shutil.copy(file, self.folder)
+        for file in files:
+            shutil.copy(file, self.folder)
         if again:
             for name in ("failed", "broken_at"):
                 (self.folder / name).unlink(missing_ok=True)
@@ -179,11 +181,12 @@ def clock(seconds):
 class Study:
     """Runs the runs that are not done, `jobs` at a time."""
 
-    def __init__(self, runs, deck, lmp, jobs, hours, again=False, pause=2.0, say=print):
+    def __init__(self, runs, deck, lmp, jobs, hours, again=False, pause=2.0, say=print,
+                 files=()):
         self.runs, self.deck, self.lmp, self.jobs, self.hours = runs, deck, lmp, jobs, hours
         self.pause, self.say = pause, say
         for run in runs:
-            run.prepare(deck, again)
+            run.prepare(deck, again, files)
         self.begun, self.at_start = time.time(), None
 
     def simulated(self):
@@ -404,6 +407,7 @@ def parse(words):
     parser.add_argument("--hours", type=float)
     parser.add_argument("--folder", type=Path)
     parser.add_argument("--set", nargs="+", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--with", nargs="+", default=[], type=Path, dest="files")
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--pause", type=float, default=2.0, help=argparse.SUPPRESS)
@@ -438,7 +442,7 @@ def main(words=None):
         if not args.report:
             deck = args.root / "examples" / "bile_duct_day" / "in.bile_duct_day"
             Study(runs, deck, args.lmp.split(), args.jobs, args.hours or 8.0, args.again,
-                  args.pause).run()
+                  args.pause, files=args.files).run()
         report(runs, folder)
     except KeyboardInterrupt:
         print("[study] stopped; the same command goes on from here")
