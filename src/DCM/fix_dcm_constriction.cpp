@@ -133,8 +133,8 @@ void FixDCMConstriction::setup(int /*vflag*/)
 }
 
 /* ----------------------------------------------------------------------
-   a restart file gives cells their columns by name, but edges to the fix with the ID of the one that
-   wrote them; without these they would stay constricted for good
+   a restart file gives cells their columns by name, but edges to the fix with the ID of the one
+   that wrote them; without these they would stay constricted for good
 ------------------------------------------------------------------------- */
 
 void FixDCMConstriction::check_edges()
@@ -149,8 +149,8 @@ void FixDCMConstriction::check_edges()
   for (const int row : table.all_deformable())
     if ((*since)(row) >= 0.0 && found[row] == 0.0)
       error->all(FLERR,
-                 "{}: cell {} of the restart file is constricted, but its edges are not known under "
-                 "the ID {}; give this fix the ID that it had in the run that wrote the file",
+                 "{}: cell {} of the restart file is constricted, but its edges are not known "
+                 "under the ID {}; give this fix the ID that it had in the run that wrote the file",
                  STYLE, table[row].molecule, id);
 }
 

@@ -87,8 +87,8 @@ class FixDCMOsmosis : public Fix, public DCMRole {
     double clock, begun;    // time since the first setup, also if the deck resets that of LAMMPS;
                             // of the first mark, < 0: none yet
     double amount, counted, secreting;    // solute, when it was counted, area that secretes it
-    double work, lost;    // work: of runs on another number of processes
-    double center[3];    // volumes are measured from here
+    double work, lost;                    // work: of runs on another number of processes
+    double center[3];                     // volumes are measured from here
   } now;
 
   class FixDCMCell *cell;

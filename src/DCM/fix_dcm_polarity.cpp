@@ -55,10 +55,10 @@ static_assert(static_cast<int>(dcm::LATERAL) == AtomVecDCM::LATERAL &&
 ------------------------------------------------------------------------- */
 
 FixDCMPolarity::FixDCMPolarity(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), seed(0), ribbon_auto(false), by_area(false), sees(ALL),
-    blind(false), marks(nullptr), theta(0.05), axis(-1), start_mode(RANDOM), point(Vec3::Zero()),
-    freeze(600.0), dcm(nullptr), cell(nullptr), contact(nullptr), begun(false), warned(false),
-    nturned(0), nclosed(0)
+    Fix(lmp, narg, arg), seed(0), ribbon_auto(false), by_area(false), sees(ALL), blind(false),
+    marks(nullptr), theta(0.05), axis(-1), start_mode(RANDOM), point(Vec3::Zero()), freeze(600.0),
+    dcm(nullptr), cell(nullptr), contact(nullptr), begun(false), warned(false), nturned(0),
+    nclosed(0)
 {
   AtomVecDCM::require(lmp, STYLE);
   nevery = 10;

@@ -58,11 +58,11 @@ class FixDCMPolarity : public Fix, public DCMRole {
   dcm::SurfaceCones cones;
   bool ribbon_auto, by_area;    // by_area: faces count with their free area
   enum { ALL, LUMEN, OUTSIDE };
-  int sees;                     // what turns A: free faces or those at a lumen; away from free ones
-  bool blind;                   // warned that nothing marks the faces at a lumen
-  const DCMRole *marks;         // marks the faces at a lumen
-  double theta;                 // a face with less than this part in contact is free
-  int axis;                     // of a planar scene, -1: none
+  int sees;                // what turns A: free faces or those at a lumen; away from free ones
+  bool blind;              // warned that nothing marks the faces at a lumen
+  const DCMRole *marks;    // marks the faces at a lumen
+  double theta;            // a face with less than this part in contact is free
+  int axis;                // of a planar scene, -1: none
   Start start_mode;
   dcm::Vec3 point;
   std::string variable_name[3];

@@ -118,8 +118,8 @@ void FixDCMTracer::shift(int i, const Vec3 &way)
 }
 
 /* ----------------------------------------------------------------------
-   at the start of a run: tracers are no part of a cell and homes exist; in its first run tracers of the deck are where they say they
-   are, and those that are missing are made
+   at the start of a run: tracers are no part of a cell and homes exist; in its first run tracers of
+   the deck are where they say they are, and those that are missing are made
 ------------------------------------------------------------------------- */
 
 void FixDCMTracer::setup_pre_exchange()

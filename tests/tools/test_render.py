@@ -76,9 +76,10 @@ def around(scene, tmp_path):
 
 
 def test_lumens_regions_and_marks_in_space(around):
+    from matplotlib.colors import to_rgb
+
     import lammps_dcm
     from lammps_dcm.render import LUMENS, make_picture
-    from matplotlib.colors import to_rgb
 
     u = lammps_dcm.load(around[2], around[0])
     u.trajectory[0]
@@ -157,7 +158,8 @@ def test_all_frames(files, tmp_path):
 @pytest.mark.parametrize("words, says", [
     ("--frame 9", "there are 2 frames"), ("--color wine", "--color wine"),
     ("--color pressure", "--bulk-modulus"), ("--bulk-modulus 1=x --color pressure", "--bulk-mod"),
-    ("--lumen", "column mark"), ("--color mark", "column mark"), ("--rename q", "--rename q"), ("--data /nowhere/data", "/nowhere/data"),
+    ("--lumen", "column mark"), ("--color mark", "column mark"),
+    ("--rename q", "--rename q"), ("--data /nowhere/data", "/nowhere/data"),
     ("--rename contact_area=q --color contact", "compute dcm/face")])
 def test_render_messages(files, tmp_path, words, says, capsys):
     assert main(["render", *files, "-o", str(tmp_path / "p.png"), *words.split()]) == 1

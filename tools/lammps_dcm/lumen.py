@@ -14,7 +14,8 @@ from .mesh import minimum_image, triangle_vectors
 from .table import write_columns
 
 AXES = "xyz"
-COLUMNS = ("volume", "wall", "section", "closure", "cells", "circularity", "x", "y", "z", "covered")
+COLUMNS = ("volume", "wall", "section", "closure", "cells", "circularity", "x", "y", "z",
+           "covered")
 
 
 # ---------------------------------------------------------------------- geometry

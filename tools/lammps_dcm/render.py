@@ -63,7 +63,7 @@ def categories(face_values, sphere_values, label, called=None, known=()):
 
 
 def named_colors(names, colors, on_spheres):
-    """Colors of names (m,) from a dict, spheres in gray: ((m, 3), (s, 3), legend of those there)."""
+    """Colors of names (m,) from a dict, spheres gray: ((m, 3), (s, 3), legend of those there)."""
     from matplotlib.colors import to_rgb
 
     rgb = np.array([to_rgb(colors[name]) for name in names]).reshape(-1, 3)
@@ -115,7 +115,8 @@ def column_values(universe, mesh, spheres, name):
 def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modulus=None,
                  names=None, book=None, lumen=False):
     """Picture of the current frame of a Universe, colored by `color` (see the command's help).
-    lumen: the walls of lumens in colors of their own. book: AtomBook of the Universe, to be shared by several pictures."""
+    lumen: the walls of lumens in colors of their own. book: AtomBook of the Universe, to be shared
+    by several pictures."""
     book = book or AtomBook(universe)
     ts, atoms = universe.trajectory.ts, book.frame()
     xyz, spheres = atoms.xyz, atoms.spheres()
