@@ -206,8 +206,8 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// -dF/dx over the six vertices, along u at both ends; radii of the spheres unchanged. Across u single
-// pairs lose what their neighbors win, as edges move.
+// -dF/dx over the six vertices, along u at both ends; radii of the spheres unchanged. Across u
+// single pairs lose what their neighbors win, as edges move.
 template <class State> MatrixXd minus_jacobian(Pair pair, const ContactMaterial &m, const Vec3 &u)
 {
   auto forces = [&]() {
@@ -246,13 +246,15 @@ MatrixXd block(double slope, const double *wf, const double *wg)
 
 }    // namespace
 
-// The law's stress depends on the local gap alone, so that K = int (dp/d delta) w w^T is symmetric.
-// From it the block takes the mean, with the weights of the contact area; the rest, against tilt, is
-// positive as well. The weights of the force will not do where pressure and adhesion balance.
-TEST(ContactStiffness, IsPartOfTheJacobian)
+// The stress of law foundation depends on the local gap alone, so that K is nearly int (dp/d delta)
+// w w^T. From it the block takes the mean, with the weights of the contact area: a fifth is left
+// out, most of it stiffness against tilt. The weights of the force would do as well without
+// adhesion, but not where pressure and adhesion balance.
+TEST(ContactStiffness, IsTheLargestPartOfTheJacobian)
 {
   Random random = rng(4);
-  int compressed = 0, balanced = 0;
+  int met = 0;
+  double rest = 0.0, worst = 0.0, worst_adhesive = 0.0, worst_by_force = 0.0;
   for (int trial = 0; trial < 4000; trial++) {
     Pair pair(random);
     for (int side : {0, 1}) {
@@ -266,19 +268,27 @@ TEST(ContactStiffness, IsPartOfTheJacobian)
     if (facing(f.n.dot(r.u)) * facing(-g.n.dot(r.u)) < 1.0) continue;
     const MatrixXd full = minus_jacobian<FoundationState>(pair, m, r.u);
     const MatrixXd K = 0.5 * (full + full.transpose()), B = block(r.slope, r.bf, r.bg);
+    EXPECT_GE(Eigen::SelfAdjointEigenSolver<MatrixXd>(B).eigenvalues()[0], -1e-12 * B.norm());
+    const double error = (K - B).norm() / K.norm();
+    if (m.W == 0.0) {
+      met++;
+      rest += error;
+      worst = std::max(worst, error);
+      continue;
+    }
     double wf[3], wg[3];
     for (int k = 0; k < 3; k++) {
       wf[k] = r.wf[k] / r.force;
       wg[k] = r.wg[k] / r.force;
     }
-    EXPECT_GE(Eigen::SelfAdjointEigenSolver<MatrixXd>(B).eigenvalues()[0], -1e-12 * B.norm());
-    const char *s = m.W == 0.0 ? "rep" : std::fabs(r.force) < 0.05 * m.sigma0() * r.area ? "bal" : "adh";
-    if (m.W == 0.0) compressed++; else if (s[0]=='b') balanced++;
-      std::printf("%s %.4f %.4f asym %.4f mineig %.4f %.3f %.3f\n", s, (K - B).norm() / K.norm(), (K - block(r.slope, wf, wg)).norm() / K.norm(), (full-K).norm()/K.norm(),
-       Eigen::SelfAdjointEigenSolver<MatrixXd>(K-B).eigenvalues()[0]/K.norm(), r.slope/(m.k*r.area), r.delta);
+    worst_adhesive = std::max(worst_adhesive, error);
+    worst_by_force = std::max(worst_by_force, (K - block(r.slope, wf, wg)).norm() / K.norm());
   }
-  EXPECT_GT(compressed, 20);
-  EXPECT_GT(balanced, 2);
+  EXPECT_GT(met, 500);
+  EXPECT_LT(rest / met, 0.25);
+  EXPECT_LT(worst, 0.7);
+  EXPECT_LT(worst_adhesive, 1.01);    // never worse than none
+  EXPECT_GT(worst_by_force, 10.0);
 }
 
 /* ----------------------------------------------------------------------
