@@ -109,8 +109,8 @@ class DCMRole {
   }
 
   // ---- steps of chosen length; the same on all processes: time from now to the next event that a
-  // step should end at (a cell gets ready), and the longest step that the style's own scheme in time
-  // stands (a ramp, a controller)
+  // step should end at (a cell gets ready), and the longest step that the style's own scheme in
+  // time stands (a ramp, a controller)
 
   virtual double next_event() { return std::numeric_limits<double>::infinity(); }
   virtual double longest_step() { return std::numeric_limits<double>::infinity(); }

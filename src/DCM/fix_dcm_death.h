@@ -67,7 +67,7 @@ class FixDCMDeath : public Fix, public DCMRole {
   std::uint64_t seed;
   DCMLog log;
   bigint removed;
-  double since;    // time since the last look, < 0: none yet
+  double since;                             // time since the last look, < 0: none yet
   std::vector<tagint> gone;                 // to take away in this step
   std::map<tagint, Shrinking> shrinking;    // cells that this fix made shrink
 

@@ -270,8 +270,7 @@ Vec3 FixDCMDivision::axis_of(const DCMCellSurgery::Cell &mother)
     if (P.norm() > 0.5) return P.normalized();    // else it has none yet
   }
   const int generation = cell->cells()[cell->cells().find(mother.molecule)].generation;
-  return dcm::Random(seed, mother.molecule, generation, dcm::RandomPurpose::DIVISION)
-      .unit_vector();
+  return dcm::Random(seed, mother.molecule, generation, dcm::RandomPurpose::DIVISION).unit_vector();
 }
 
 /* ----------------------------------------------------------------------

@@ -55,8 +55,9 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   given = least = longest = 0.0;
   step = wanted = error_of_step = rejected = 0.0;
 
-  DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
-               {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme", "dt", "stop"});
+  DCMArgs args(
+      lmp, STYLE, narg - 3, arg + 3,
+      {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme", "dt", "stop"});
   parameters.parse(args, atom->ntypes);
   while (args.next()) {
     if (parameters.parse_keyword(args)) continue;
@@ -83,8 +84,7 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
     }
   }
 
-  if (automatic && !implicit)
-    error->all(FLERR, "{}: dt auto needs scheme implicit", STYLE);
+  if (automatic && !implicit) error->all(FLERR, "{}: dt auto needs scheme implicit", STYLE);
 
   time_integrate = 1;
   restart_global = automatic ? 1 : 0;

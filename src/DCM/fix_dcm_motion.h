@@ -30,10 +30,11 @@ FixStyle(dcm/motion,FixDCMMotion);
 
 namespace LAMMPS_NS {
 
-// Overdamped motion: once a step, solve Gamma v = F (scheme explicit) or (Gamma + dt K) v = F (scheme
-// implicit) for all nodes and spheres of the group, then x += dt v. Gamma is the sum of ECM friction and of what the styles of the deck contribute
-// (DCMRole), cortex dashpots and contact friction among them, and so is the stiffness K. Nodes and
-// spheres outside the group are fixed. Doc page fix_dcm_motion.
+// Overdamped motion: once a step, solve Gamma v = F (scheme explicit) or (Gamma + dt K) v = F
+// (scheme implicit) for all nodes and spheres of the group, then x += dt v. Gamma is the sum of ECM
+// friction and of what the styles of the deck contribute (DCMRole), cortex dashpots and contact
+// friction among them, and so is the stiffness K. Nodes and spheres outside the group are fixed.
+// Doc page fix_dcm_motion.
 
 class FixDCMMotion : public Fix, public DCMRole {
  public:
@@ -87,15 +88,15 @@ class FixDCMMotion : public Fix, public DCMRole {
 
   dcm::StepControl control;
   bool automatic;
-  double step, wanted;                 // its length, and were there no event; 0: not known yet
-  double given;                        // timestep of the deck, which comes back with unfix
-  double least, longest;               // keywords min and max, 0: from that timestep
-  double stop;                         // time at which runs end, infinite: never
-  bool ended;                          // that time has come
-  double error_of_step, rejected;      // of the coming step; since the start of the run
+  double step, wanted;               // its length, and were there no event; 0: not known yet
+  double given;                      // timestep of the deck, which comes back with unfix
+  double least, longest;             // keywords min and max, 0: from that timestep
+  double stop;                       // time at which runs end, infinite: never
+  bool ended;                        // that time has come
+  double error_of_step, rejected;    // of the coming step; since the start of the run
   std::vector<double> motion, motion_before;    // of cells: 4 numbers per row
-  std::vector<RestAhead> ahead;        // per row, to the end of the coming step
-  std::vector<double> ahead_forces;    // dcm::STRIDE per slot
+  std::vector<RestAhead> ahead;                 // per row, to the end of the coming step
+  std::vector<double> ahead_forces;             // dcm::STRIDE per slot
 
   double largest_move;          // dt |v| over mean edge (node) or radius (sphere)
   int slot_move;                // where, 0: on another process

@@ -127,9 +127,9 @@ void FixDCMMotion::measure_cells(std::vector<double> &motion)
     const auto &face = cell->faces()[f];
     if (face.cell < 0) continue;
     const int *const s = &face_slots[3 * (size_t) f], *const v = face.v;
-    const dcm::Vec3 third = dcm::face_area_vector(dcm::vec(x[v[0]]), dcm::vec(x[v[1]]),
-                                                  dcm::vec(x[v[2]])) /
-                            (3.0 * table[face.cell].area);
+    const dcm::Vec3 third =
+        dcm::face_area_vector(dcm::vec(x[v[0]]), dcm::vec(x[v[1]]), dcm::vec(x[v[2]])) /
+        (3.0 * table[face.cell].area);
     for (int k = 0; k < 3; k++)
       motion[4 * (size_t) face.cell + 3] += third.dot(dcm::vec(&velocity[STRIDE * (size_t) s[k]]));
   }

@@ -304,8 +304,8 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
   for (const int c : table.all_deformable()) {
     const auto &it = table[c];
     if (!acts_on(it)) continue;
-    system.cells.push_back({base + begin[c], base + begin[c + 1],
-                            dcm::pressure_stiffness(K_V[it.type], it.volume)});
+    system.cells.push_back(
+        {base + begin[c], base + begin[c + 1], dcm::pressure_stiffness(K_V[it.type], it.volume)});
   }
   system.nodes.resize(base + begin.back());
   for (int s = 1; s <= nowned; s++) {

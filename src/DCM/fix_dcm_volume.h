@@ -61,8 +61,8 @@ class FixDCMVolume : public Fix, public DCMRole {
   bool voronoi;                    // the source's form of the force instead of the gradient
   std::vector<double> pressure;    // per cell, 0 for cells not acted on
   double energy, mean, lowest, highest;
-  std::vector<double> node;    // sums per atom. voronoi: area, curvature vector, normal
-  int width = 0;               // numbers per atom
+  std::vector<double> node;          // sums per atom. voronoi: area, curvature vector, normal
+  int width = 0;                     // numbers per atom
   std::vector<size_t> first_node;    // of the nodes of a cell in a stiffness system
 
   void read_moduli();

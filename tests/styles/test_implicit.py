@@ -1,4 +1,4 @@
-"""fix dcm/motion scheme implicit and dt auto: the motion of the explicit scheme, with large steps."""
+"""fix dcm/motion scheme implicit and dt auto: the explicit scheme's motion, with large steps."""
 
 import numpy as np
 import pytest
@@ -40,12 +40,12 @@ def test_first_order_in_the_step(lmp, scenes):
 
 @pytest.mark.parametrize("dt", [10.0, 40.0])
 def test_large_steps_end_at_the_same_rest(lmp, scenes, dt):
-    """Steps 5 and 20 times as long as the explicit scheme stands lead to the same state of rest, but
-    for how facet lies on facet when the cells come to rest."""
+    """Steps 5 and 20 times as long as the explicit scheme stands lead to the same state of rest,
+    but for how facet lies on facet when the cells come to rest."""
     run = "scheme implicit maxmove 1"
     long = lmp(pair_of_cells(scenes, run, dt, 16000.0))
     short = lmp(pair_of_cells(scenes, run, 4.0, 16000.0))
-    assert "maxmove" in lmp.run(pair_of_cells(scenes, "", dt, 16000.0)).error    # explicit: too long
+    assert "maxmove" in lmp.run(pair_of_cells(scenes, "", dt, 16000.0)).error    # explicit
     for name in ("v_p", "E_bond"):
         assert long.thermo[-1][name] == pytest.approx(short.thermo[-1][name], rel=0.01)
 
@@ -109,8 +109,8 @@ def growing_cell(scenes, options, hours, dt, more=""):
 
 def test_growth_is_seen_ahead(lmp, scenes):
     """The rest volume grows within a step. With steps of 30 s the pressure of a cell that grows 20
-    times too fast is that of steps of 1 s to 1 %; with the rest state of the step's begin it would lag
-    by one step of growth, which alone is K_V dV0/V0, several percent of it."""
+    times too fast is that of steps of 0.5 s to 1 %; with the rest state of the step's begin it
+    would lag by one step of growth, which alone is K_V dV0/V0, several percent of it."""
     fine = lmp(growing_cell(scenes, "tolerance 1e-10", 0.5, 0.5)).thermo[-1]
     coarse = lmp(growing_cell(scenes, "tolerance 1e-10 scheme implicit", 0.5, 30.0)).thermo[-1]
     assert coarse["v_t"] == pytest.approx(fine["v_t"]) == 1800.0
@@ -163,8 +163,8 @@ def test_dumps_by_time_are_met(lmp, scenes):
 
 
 def test_stiffness_moves_no_center_of_friction(lmp, scenes):
-    """Two equal spheres that attract each other, and a node surface of equal areas, keep the mean of
-    their positions: stiffness, like forces between cells, adds up to nothing."""
+    """Two equal spheres that attract each other keep the mean of their positions: stiffness, like
+    forces between cells, adds up to nothing."""
     scene = scenes.Scene(20.0, "f f f")
     scene.cbm(-4.6, 0.3, -0.2, 5.0)
     scene.cbm(4.6, -0.3, 0.2, 5.0)

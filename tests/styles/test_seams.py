@@ -1,5 +1,5 @@
 """What fix dcm/cell and the pair style offer to styles to come: adjacency, regions of ghost faces,
-contact areas per pair of cells, stiffness of contacts; asked for by fix dcm/probe, in tests/probe."""
+contact areas per pair of cells, stiffness of contacts; asked by fix dcm/probe in tests/probe."""
 
 import os
 from pathlib import Path

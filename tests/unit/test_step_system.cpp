@@ -166,8 +166,8 @@ TEST(StepControl, a_step_ends_at_an_event_and_leaves_no_short_one_before_it)
   EXPECT_EQ(control.until(0.5, 0.25), 0.5);
 }
 
-// v = a t: the estimate is the step's error a h^2/2 itself, and the steps settle where that is what is
-// allowed, tol sqrt(h/longest), but for the safety factor and the grid
+// v = a t: the estimate is the step's error a h^2/2 itself, and the steps settle where that is what
+// is allowed, tol sqrt(h/longest), but for the safety factor and the grid
 TEST(StepControl, settles_where_the_error_is_what_is_allowed)
 {
   StepControl control;

@@ -25,7 +25,7 @@ RUNS = [
 
 
 def deck():
-    """The example, with a scheme and a dump of the deformable cells every 300 s instead of pictures."""
+    """The example, with a dump of the deformable cells every 300 s instead of pictures."""
     text = (ROOT / "examples/bile_duct/in.bile_duct").read_text()
     begin, end = text.index("dump            image"), text.index("# f_confine: inward")
     text = text[:begin] + (

@@ -1,8 +1,8 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
 // Preconditioned conjugate gradients for the friction system (friction.h) or that of a linearly
-// implicit step (step_system.h), written once for any number of processes. All messages go through a
-// small policy class:
+// implicit step (step_system.h), written once for any number of processes. All messages go through
+// a small policy class:
 //
 //   struct Communicator {
 //     void forward(double *x);                       // owned slots of a vector -> their copies
@@ -49,11 +49,10 @@ template <class Communicator> class FrictionSolver {
   Precondition precondition = Precondition::BLOCK;
 
   // solve A x = b; system: a FrictionSystem (merged) or what has the same nowned, nall, apply(),
-  // isotropic(), diagonal() and diagonal_blocks(); b and x with STRIDE numbers per slot, b for owned
-  // slots (slot 0 =
-  // fixed = 0), x has room for all and holds the initial guess; on return also the copies of
-  // other processes' unknowns. keep > 0: leave x alone if it solves the system to
-  // keep * tolerance (a restart)
+  // isotropic(), diagonal() and diagonal_blocks(); b and x with STRIDE numbers per slot, b for
+  // owned slots (slot 0 = fixed = 0), x has room for all and holds the initial guess; on return
+  // also the copies of other processes' unknowns. keep > 0: leave x alone if it solves the system
+  // to keep * tolerance (a restart)
 
   template <class System>
   FrictionResult solve(const System &system, const double *b, double *x, Communicator &comm,

@@ -6,14 +6,15 @@
 //
 //   err = (h/2) max |v_new - v_old|                                              (length)
 //
-// is an estimate that costs nothing; v are the velocities of whole cells, since what nodes do within
-// a surface decays fast and leaves no trace. It is known before the step is taken, so that a step that is
-// too long is solved again with a shorter one and nothing has to be undone. err may be tol for a step
-// of the longest length, and grows with the square root of h below it: halfway between an error per
-// step, which lets slow drifts add up, and one per time, which makes short transients costly [ours].
+// is an estimate that costs nothing; v are the velocities of whole cells, since what nodes do
+// within a surface decays fast and leaves no trace. It is known before the step is taken, so that a
+// step that is too long is solved again with a shorter one and nothing has to be undone. err may be
+// tol for a step of the longest length, and grows with the square root of h below it: halfway
+// between an error per step, which lets slow drifts add up, and one per time, which makes short
+// transients costly [ours].
 //
-// Steps are longest * 2^(-k/4): round-off in a velocity then hardly ever changes a step, and runs on
-// different numbers of processes take the same ones. Only a step that ends at a given time has a
+// Steps are longest * 2^(-k/4): round-off in a velocity then hardly ever changes a step, and runs
+// on different numbers of processes take the same ones. Only a step that ends at a given time has a
 // length of its own.
 // Units: um, s.
 
@@ -46,8 +47,8 @@ class StepControl {
   /// May a step of length h with this error be taken? The shortest one always is.
   bool accepts(double h, double err) const { return shortest(h) || err <= 2.0 * allowed(h); }
 
-  /// Step to try after one of length h with this error: err grows with h^2, what is allowed with its
-  /// root. At most 1.5 times as long; below a fifth only where that is tried again.
+  /// Step to try after one of length h with this error: err grows with h^2, what is allowed with
+  /// its root. At most 1.5 times as long; below a fifth only where that is tried again.
   double next(double h, double err) const
   {
     const double ratio = err > 0.0 ? allowed(h) / err : 1e30;
@@ -55,8 +56,8 @@ class StepControl {
     return round_down(std::max(least, h * std::max(0.2, std::min(1.5, factor))));
   }
 
-  /// Length of a step that is to end at the next of some given times, `left` from now: h, or what is
-  /// left if that is less, or half of it if one step would leave a very short one.
+  /// Length of a step that is to end at the next of some given times, `left` from now: h, or what
+  /// is left if that is less, or half of it if one step would leave a very short one.
   double until(double h, double left) const
   {
     if (left <= h * (1.0 + 1e-9)) return std::max(left, std::min(least, h));

@@ -6,8 +6,8 @@
 //
 // Gamma the friction of friction.h, K the stiffness of stiffness.h, in the form that FrictionSolver
 // asks for. With the exact K = -dF/dx this is the backward Euler step after one Newton iteration
-// (Rosenbrock-Euler); any other positive semidefinite K keeps it first-order accurate and changes how
-// large dt may be.
+// (Rosenbrock-Euler); any other positive semidefinite K keeps it first-order accurate and changes
+// how large dt may be.
 // Units: as in friction.h; dt in s.
 
 #ifndef DCM_STEP_SYSTEM_H
