@@ -57,9 +57,9 @@ def test_flats_repel_with_k_times_overlap(lmp, scenes, layer, overlap, rmax):
     side = 6.0
     x = side - overlap / 2
     mesh = ("cube.off", len(nodes), len(faces))
-    for sign in (-1, 1):
-        options = "scale nodes"
-        scene.dcm(sign * x, 0.0, 0.0, side * math.sqrt(3), mesh=mesh, options=options)
+    for sign in (-1, 1):  # meshes that do not coincide
+        y, z = (0.31, 0.17) if sign > 0 else (0.0, 0.0)
+        scene.dcm(sign * x, y, z, side * math.sqrt(3), mesh=mesh, options="scale nodes")
     result = lmp(
         scene.head()
         + BARE
@@ -75,7 +75,7 @@ def test_flats_repel_with_k_times_overlap(lmp, scenes, layer, overlap, rmax):
     assert inner.sum() > 20
     slack = 1.5**2 / (6.0 * rmax) / overlap
     assert frame["c_s[2]"][inner] == pytest.approx(stiffness(layer) * overlap, rel=slack)
-    assert f"stiffness per area {stiffness(layer):.6g} to" in result.log
+    assert f"to {stiffness(layer):.6g}\n" in result.log  # the stiffest, of two deformable cells
 
 
 def test_layers_of_two_types(lmp, scenes):
@@ -123,7 +123,7 @@ def test_force_of_spheres_and_pull_off(lmp, scenes, np_):
         assert min(forces) == forces[shifts.index(0.0)]
 
 
-def squeezed(scenes, law, coeff="", level=1, steps=1200, scale=0.8):
+def squeezed(scenes, law, coeff="", level=2, steps=500, scale=0.74):
     """Eight cells in a periodic cube that shrinks around them."""
     scene = scenes.Scene(12.2, "p p p", level)
     for x in (-6.1, 6.1):
