@@ -1,4 +1,4 @@
-"""Contact law foundation at deck level: pressure of flats, force of spheres, cells that keep apart."""
+"""Contact law foundation at deck level: pressure of flats, force of spheres, cells kept apart."""
 
 import math
 
