@@ -34,7 +34,8 @@ static const std::array<std::string, 5> REGIONS = {"lateral", "polar", "apical",
 // clang-format off
 static const std::vector<std::string> KEYWORDS = {
     "E_cor", "h_cor", "nu_cor", "gamma", "K_V", "E_contact", "nu_contact", "layer",
-    "friction_normal", "friction_tangential", "friction_ecm", "a1", "a2", "a3", "a4", "D", "cycle_time", "cycle_sd",
+    "friction_normal", "friction_tangential", "friction_ecm", "a1", "a2", "a3", "a4", "D",
+    "cycle_time", "cycle_sd",
     "tension", "tension:lateral", "tension:polar", "tension:apical", "tension:junction",
     "tension:basal"};
 // clang-format on
