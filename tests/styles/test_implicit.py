@@ -176,6 +176,25 @@ def test_stiffness_moves_no_center_of_friction(lmp, scenes):
     assert np.abs(last.x - first.x).max() > 0.01
 
 
+def test_stiff_contacts_take_the_same_steps(lmp, scenes):
+    """Layers a tenth as thick are ten times as stiff, 119 kPa/um: friction over stiffness is 0.4 s.
+    The cells come to the same rest in steps of 20 s; nodes at the rim of the contact chatter."""
+    found = {}
+    for layer in (0.25, 0.025):
+        scene = scenes.doublet(level=2)
+        found[layer] = lmp(
+            scene.head() + "group a molecule 1\ngroup b molecule 2\n" + scene.cortex()
+            + scene.contact("law foundation", f"layer {layer}") + "fix cell all dcm/cell\n"
+            + scene.volume()
+            + scene.motion(options="scheme implicit tolerance 1e-3 dt auto tol 0.02 max 20")
+            + scenes.thermo(["p=f_volume[1]", "d=xcm(b,x)-xcm(a,x)", "h=dt"], 50)
+            + "timestep 1.0\nrun 400\n").thermo[-1]
+        assert found[layer]["v_h"] == 20.0
+    soft, stiff = found[0.25], found[0.025]
+    assert stiff["v_p"] == pytest.approx(soft["v_p"], rel=0.01)
+    assert stiff["v_d"] == pytest.approx(soft["v_d"], rel=0.01)
+
+
 BAD = {
     "no tol": ("scheme implicit dt auto max 3", "dt auto needs tol"),
     "explicit": ("dt auto tol 0.1", "dt auto needs scheme implicit"),

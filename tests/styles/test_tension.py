@@ -494,3 +494,15 @@ def test_what_it_needs(lmp, scenes):
           "Fix dcm/tension.*atom_style dcm")  # fmt: skip
     empty = whole(scene, extra="group none empty\n" + tension(scene, group="none"))
     fails(lmp, empty, "Fix dcm/tension: no deformable cell has its center in group none")
+
+
+def test_large_steps_of_the_implicit_scheme(lmp, scenes):
+    """A cell of tension and pressure alone comes to the same rest in steps of 100 s, thirty times
+    what the explicit scheme stands, but for how far its nodes have drifted within the surface."""
+    found = []
+    for options, dt, steps in (("", 1.0, 3000), ("scheme implicit", 100.0, 30)):
+        scene, start = bare(scenes, level=2)
+        result = lmp(start + tension(scene) + scene.motion(options=f"tolerance 1e-10 {options}")
+                     + scenes.thermo(["p=f_volume[1]"], steps) + f"timestep {dt}\nrun {steps}\n")
+        found.append(get(result.thermo[-1], "p"))
+    assert found[1] == pytest.approx(found[0], rel=1e-3)
