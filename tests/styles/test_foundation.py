@@ -143,5 +143,5 @@ def test_squeezed_cells_keep_apart(lmp, scenes):
     """The cells of a shrinking cube take no more than its space."""
     rows = lmp(squeezed(scenes, "law foundation")).thermo
     print([(round(row["v_filled"], 4), round(row["v_pressure"], 3)) for row in rows])
-    assert rows[-1]["v_pressure"] > 1.0
+    assert rows[-1]["v_pressure"] > 0.6
     assert max(row["v_filled"] for row in rows) < 1.01
