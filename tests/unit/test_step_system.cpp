@@ -143,7 +143,9 @@ TEST(StepControl, steps_are_on_a_grid_between_the_limits)
     EXPECT_GE(down, std::max(1.0, h * std::exp2(-0.25)) * (1.0 - 1e-9));
     EXPECT_NEAR(control.round_down(down), down, 1e-12 * down);    // stays where it is
     const double k = 4.0 * std::log2(64.0 / down);
-    if (down > 1.0) EXPECT_NEAR(k, std::round(k), 1e-9);
+    if (down > 1.0) {
+      EXPECT_NEAR(k, std::round(k), 1e-9);
+    }
     EXPECT_LE(control.next(h, 0.0), 1.5 * h * (1.0 + 1e-12));
   }
   EXPECT_TRUE(control.accepts(1.0, 1e9));
