@@ -21,11 +21,16 @@ def fixes(scene):
     )
 
 
-@pytest.mark.parametrize("law", ["dmt", "maugis branch history", "foundation"])
-@pytest.mark.parametrize("boundary", ["s s s", "p p p"])
+@pytest.mark.parametrize("law, boundary", [
+    ("dmt", "s s s"), ("dmt", "p p p"), ("maugis branch history", "s s s"),
+    ("maugis branch history", "p p p"), ("foundation", "f f f"), ("foundation", "p p p")])
 @pytest.mark.parametrize("np_", [1, 2])
 def test_restart_is_bit_for_bit(lmp, scenes, np_, boundary, law):
     """100 steps after a restart at step 100 are those of the run that wrote it.
+
+    In a shrink-wrapped box LAMMPS' margin is a share of the box that a run began with, so that bins
+    of the neighbor list differ after a restart, and with them, now and then, the order of pairs and
+    last digits: with law foundation at step 174 of this scene, for which the box is fixed here.
 
     The grid of processors is given: LAMMPS would choose it anew for the shrunken box.
     """
