@@ -93,6 +93,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
 {
   const auto &faces = fix_cell->faces();
   double *const *const force_of = atom->f;
+  const int nowned = fix_cell->nowned();
   if (!HISTORY) find_candidates();
   const size_t npairs = HISTORY ? face_pairs.size() : candidates.size();
   dcm::ContactResult r;
@@ -120,7 +121,8 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
     }
     // faces that have passed through each other look at each other and have their middles on the
     // same line; others so far behind each other stand beside the same fold or corner, as those of
-    // newborn cells do, and do not touch
+    // newborn cells do, and do not touch. Asked for owned faces: around a ghost the other cell's
+    // surface is not known to its end
 
     const auto &face = faces[fi], &other = faces[gi];
     const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(-g.n.dot(r.u));
@@ -128,7 +130,8 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
     const bool beyond = !(overlap <= overlap_used), opposed = !(f.n.dot(g.n) > DCM_OPPOSED);
     if (!std::isfinite(r.force) ||
         (beyond && opposed && covers(f, g.mid, r.u) && covers(g, f.mid, r.u) &&
-         (deep_inside(f.mid, other.cell) || deep_inside(g.mid, face.cell))))
+         ((fi < nowned && deep_inside(f.mid, other.cell)) ||
+          (gi < nowned && deep_inside(g.mid, face.cell)))))
       fail_pair(face.atom, other.atom, overlap, overlap_used, r.force);
     const bool touching = !beyond && weight > 0.0;
     if (HISTORY) *face_touch[n] = touching;

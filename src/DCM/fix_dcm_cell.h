@@ -41,6 +41,8 @@ class FixDCMCell : public Fix {
     int atom;    // local index of the face atom
     int v[3];    // local indices of its vertices (closest images), -1: beyond the ghost cutoff
     int cell;    // row of the table of cells
+    bool torn = false;    // of a ghost at the border of what is known here: a vertex is another
+                          // periodic image than the face is
   };
 
   FixDCMCell(class LAMMPS *, int, char **);

@@ -46,6 +46,12 @@ void FixDCMCell::build_faces()
       const tagint tag = atom->tag[i] + dcm->vertex[i][k];
       const int j = tag > atom->map_tag_max ? -1 : atom->map(tag);    // map() does not check
       if (j >= 0) face.v[k] = domain->closest_image(i, j);
+
+      if (j >= 0) {
+        const double *const there = atom->x[face.v[k]], *const here = atom->x[i];
+        if (domain->minimum_image_check(there[0] - here[0], there[1] - here[1], there[2] - here[2]))
+          face.torn = true;
+      }
       if (face.v[k] < 0 && i < nlocal) missing_vertex(i, tag);
     }
     face_of_atom[i] = (int) face_list.size();
@@ -90,7 +96,7 @@ void FixDCMCell::measure_faces()
   double **x = atom->x;
   for (size_t f = 0; f < face_list.size(); f++) {
     const Face &face = face_list[f];
-    if (face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0) continue;
+    if (face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0 || face.torn) continue;
     const Vec3 a = vec(x[face.v[0]]), b = vec(x[face.v[1]]), c = vec(x[face.v[2]]);
     face_area[f] = dcm::face_area_vector(a, b, c).norm();
     vec(x[face.atom]) = (a + b + c) / 3.0;

@@ -236,7 +236,7 @@ bool PairDCMContact::deep_inside(const Vec3 &x, int cell) const
   double *const *const at = atom->x;
   dcm::SurfaceDistance nearest;
   for (const auto &face : fix_cell->faces()) {
-    if (face.cell != cell || face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0) continue;
+    if (face.cell != cell || face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0 || face.torn) continue;
     nearest.add(x, vec(at[face.v[0]]), vec(at[face.v[1]]), vec(at[face.v[2]]));
   }
   return nearest.inside() && nearest.distance() > overlap_used;
