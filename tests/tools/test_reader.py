@@ -224,3 +224,16 @@ def test_data_messages(pair, tmp_path):
         path.write_text(change(text))
         with pytest.raises(DataFileError, match=says):
             read_data(path)
+
+
+def test_times_that_the_dump_has(tmp_path):
+    """`dump_modify time yes` writes each frame's time in front of its step; steps may differ in
+    length."""
+    path = tmp_path / "t.dump"
+    path.write_text("".join(
+        f"ITEM: TIME\n{time}\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\n"
+        "ITEM: BOX BOUNDS pp pp pp\n0 9\n0 9\n0 9\nITEM: ATOMS id mol type x y z\n1 1 4 1 2 3\n"
+        for step, time in ((0, 0), (3, 77.5), (4, 137.5))))
+    dump = DumpFile(path)
+    assert [dump.frame(n).time for n in range(3)] == [0.0, 77.5, 137.5]
+    assert [dump.frame(n).step for n in range(3)] == [0, 3, 4]

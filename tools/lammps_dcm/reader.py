@@ -5,6 +5,7 @@ of the dump is in `ts.data[name]`, shape (n_atoms,), in double precision.
 """
 import gzip
 import io
+import re
 import warnings
 from pathlib import Path
 
@@ -20,6 +21,7 @@ COORDINATES = (("xu", "yu", "zu"), ("x", "y", "z"), ("xsu", "ysu", "zsu"), ("xs"
 # names in `compute property/atom` -> names in a data file
 ALIASES = {"vertex1": "v1", "vertex2": "v2", "vertex3": "v3"}
 MARK = b"ITEM: TIMESTEP"
+TIME_LINES = 64    # bytes before it in which `dump_modify time yes` writes the time
 
 
 class DumpError(ValueError):
@@ -76,8 +78,6 @@ class Frame:
             for n, line in enumerate(lines):
                 if line.startswith("ITEM: TIMESTEP"):
                     self.step = int(lines[n + 1])
-                elif line.startswith("ITEM: TIME"):
-                    self.time = float(lines[n + 1])
                 elif line.startswith("ITEM: NUMBER OF ATOMS"):
                     self.natoms = int(lines[n + 1])
                 elif line.startswith("ITEM: BOX BOUNDS"):
@@ -193,7 +193,12 @@ class DumpFile:
         """Frame `number`, 0 <= number < len(self)."""
         begin, end = self.offsets[number:number + 2]
         handle = self._handle()
-        handle.seek(begin)
+        before = max(0, begin - TIME_LINES)
+        handle.seek(before)
+        ahead = bytearray()
+        while len(ahead) < begin - before:
+            ahead += handle.read1(begin - before - len(ahead))
+        found = re.search(rb"ITEM: TIME\n([^\n]+)\n\Z", bytes(ahead))
         text = bytearray()
         while len(text) < end - begin:
             piece = handle.read1(end - begin - len(text))
@@ -202,6 +207,8 @@ class DumpFile:
             text += piece
         frame = Frame(bytes(text), f"{self.path}, frame {number}")
         frame.columns = [self.rename.get(c, c) for c in frame.columns]
+        if found:
+            frame.time = float(found.group(1))
         return frame
 
     def first_seen(self, scan="auto"):
