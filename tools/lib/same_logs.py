@@ -38,6 +38,7 @@ SHORT = {
     "monolayer": {"hours": 0.05, "cycle": 700, "movie": "no"},
     "single": {"hold": 10, "image": "no"},
     "spheroid": {"level": 1, "hours": 0.15, "cycle": 180, "movie": "no"},
+    "tension": {"level": 1, "settle": 100},
 }
 EVERY = 10  # steps between two lines of thermo output, whatever the deck says
 
