@@ -42,6 +42,10 @@ static constexpr int RECORD = 1;    // version of the restart record
 
 static constexpr double LONGEST = 60.0;
 
+// a step in which a node would move too far may be this much shorter than the shortest one
+
+static constexpr double LEAST = 1.0e-3;
+
 /* ----------------------------------------------------------------------
    dt auto tol X [min A] [max B]
 ------------------------------------------------------------------------- */
@@ -173,12 +177,16 @@ void FixDCMMotion::choose_step(double keep)
     dt = until_event(h);
     solve_system(dt, 0.0);
     error_of_step = 0.5 * dt * change_of_velocity();
-    const bool near = largest_move <= maxmove || control.shortest(dt);
+    const bool near = largest_move <= maxmove || dt <= LEAST * control.least;
     if (near && control.accepts(dt, error_of_step)) break;
     rejected += 1.0;
-    double shorter = std::min(0.8 * dt, control.next(dt, error_of_step));
-    if (!near) shorter = std::min(shorter, 0.8 * dt * maxmove / largest_move);
+    const double shorter = std::min(0.8 * dt, control.next(dt, error_of_step));
     h = control.round_down(std::max(control.least, shorter));
+
+    // the error does not make a step shorter than `min`, a node that moves too far does
+
+    if (!near && h * largest_move > dt * maxmove)
+      h = std::max(LEAST * control.least, 0.8 * dt * maxmove / largest_move);
   }
   const bool cut = dt < 0.999 * h && error_of_step <= control.allowed(dt);    // by an event
   if (!cut) h = control.next(dt, error_of_step);
