@@ -75,6 +75,7 @@ void FixDCMMotion::assemble()
   unknowns.send_requests();
   add_ecm();
   system.merge();
+  if (implicit) stiffness.merge();
 
   ahead_forces.clear();    // come in look_ahead()
   const size_t n = (size_t) system.nall + 1;

@@ -21,6 +21,7 @@
 #include "dcm_record.h"
 #include "error.h"
 #include "fix_neigh_history.h"
+#include "force.h"
 #include "modify.h"
 #include "neigh_request.h"
 #include "neighbor.h"
@@ -39,6 +40,11 @@ static constexpr int RECORD = 1;    // version of the restart record
 // the mesh of faces that no run has seen yet may be twice as coarse as was guessed
 
 static constexpr double COARSE = 2.0;
+
+// atom types share bins if their reach differs by less than this factor; size of bins of atoms that
+// have no contact, in mean edges: a few nodes in each
+
+static constexpr double SAME_REACH = 1.35, EMPTY_BIN = 2.0;
 
 /* ----------------------------------------------------------------------
    mean edge and largest face per type at the start of a run, at a time when no ghosts exist yet:
@@ -313,13 +319,51 @@ void PairDCMContact::setup_history()
 }
 
 /* ----------------------------------------------------------------------
-   types that never interact with others get a small length of their own, for
-   the bins of neighbor style multi (0 would make one bin of the box)
+   neighbor style multi gives every atom type bins of its own, most of them empty. Types of about
+   the same reach share theirs here, and those without contact need no list: cutoff 0 looks into
+   the own bin only, whose size is free for the smallest collection. A deck's own collections stay.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::choose_collections()
+{
+  if (own_collections) {
+    neighbor->custom_collection_flag = neighbor->binsizeflag = 0;
+    neighbor->ncollections = atom->ntypes;
+    own_collections = false;
+  }
+  if (neighbor->style != Neighbor::MULTI || neighbor->custom_collection_flag || force->pair != this ||
+      comm->mode != Comm::SINGLE || neighbor->binsizeflag)
+    return;
+
+  std::vector<int> order;
+  for (int t = 1; t <= atom->ntypes; t++) order.push_back(t);
+  auto reach = [this](int t) { return types[t].active ? types[t].promise : 0.0; };
+  std::stable_sort(order.begin(), order.end(), [&](int s, int t) { return reach(s) < reach(t); });
+  std::string lists;
+  int n = 0;
+  double least = -1.0;
+  for (int t : order) {
+    const bool joins = n > 0 && reach(t) <= SAME_REACH * least;
+    lists += fmt::format("{}{}", joins ? "," : " ", t);
+    if (joins) continue;
+    least = reach(t);
+    n++;
+  }
+  own_collections = true;
+  neighbor->modify_params(fmt::format("collection/type {}{}", n, lists));
+  if (reach(order[0]) > 0.0 || bin_edge == 0.0) return;
+  neighbor->binsizeflag = 1;
+  neighbor->binsize_user = EMPTY_BIN * bin_edge;
+}
+
+/* ----------------------------------------------------------------------
+   with a deck's own collections, types that never interact with others get a small length of their
+   own (0 would make one bin of the box)
 ------------------------------------------------------------------------- */
 
 double PairDCMContact::init_one(int i, int j)
 {
   if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
   if (types[i].active && types[j].active) return types[i].promise + types[j].promise;
-  return i == j ? bin_edge : 0.0;
+  return i == j && !own_collections ? bin_edge : 0.0;
 }

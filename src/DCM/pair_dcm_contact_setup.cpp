@@ -197,6 +197,7 @@ void PairDCMContact::init_style()
   exclude_types();
   set_cutoff();
   setup_history();
+  choose_collections();
 }
 
 /* ----------------------------------------------------------------------

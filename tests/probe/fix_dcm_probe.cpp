@@ -143,7 +143,8 @@ double FixDCMProbe::contact_stiffness()
   struct {
     void sum(double *, int) {}
   } alone;    // contacts need no sums over cells
-  return blocks.apply(1.0, v.data(), y.data(), alone);
+  blocks.merge();
+  return blocks.apply(1.0, (size_t) system.nall + 1, v.data(), y.data(), alone);
 }
 
 int FixDCMProbe::pack_forward_comm(int n, int *list, double *buf, int, int *)

@@ -47,6 +47,7 @@ struct Ring {
     }
     stiffness.cells.push_back({0, stiffness.nodes.size(), 5.0});
     friction.merge();
+    stiffness.merge();
   }
 
   // column by column, from the products of the two parts
@@ -59,7 +60,7 @@ struct Ring {
       std::fill(p.begin(), p.end(), 0.0);
       p[STRIDE * (1 + c / 3) + c % 3] = 1.0;
       friction.apply(p.data(), y.data());
-      stiffness.apply(dt, p.data(), y.data(), alone);
+      stiffness.apply(dt, n + 1, p.data(), y.data(), alone);
       for (int r = 0; r < 3 * n; r++) all(r, c) = y[STRIDE * (1 + r / 3) + r % 3];
     }
     return all;
@@ -112,6 +113,7 @@ TEST(StepSystem, one_spring_relaxes_as_backward_euler_does)
       spring.i = 1;
       spring.j = 2;
       stiffness.edges.push_back(spring);
+      stiffness.merge();
       const double f = ks * (x[1] - x[0] - l0);
       std::vector<double> rhs = {0, 0, 0, 0, f, 0, 0, 0, -f, 0, 0, 0}, v(12, 0.0);
       FrictionSolver<Alone> solver;

@@ -12,6 +12,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <functional>
 
 using namespace dcm;
@@ -20,6 +21,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
+
+constexpr double SINGLE = 2.0e-7;    // three times the round-off of single precision
 
 struct Alone {
   int sums = 0;
@@ -98,7 +101,6 @@ StiffnessSystem random_system(Random &random, int n)
     }
     set(b.u, random.unit_vector());
     b.normal = random.uniform();
-    b.tangential = random.uniform();
     s.contacts.push_back(b);
   }
   for (int k = 0; k < n; k++) {
@@ -108,6 +110,7 @@ StiffnessSystem random_system(Random &random, int n)
       b.n[l] = (first + l) % (n + 1);    // four different ones, the fixed slot among them
       set(b.g[l], random.gaussian_vector());
     }
+    for (int k = 0; k < 3; k++) b.g[3][k] = -b.g[0][k] - b.g[1][k] - b.g[2][k];
     b.c = random.uniform();
     s.hinges.push_back(b);
   }
@@ -120,6 +123,7 @@ StiffnessSystem random_system(Random &random, int n)
     b.end = s.nodes.size();
     s.cells.push_back(b);
   }
+  s.merge();
   return s;
 }
 
@@ -198,16 +202,57 @@ TEST(StiffnessBlocks, ProductEqualsDenseMatrix)
     const VectorXd p = with_fixed(v);
     VectorXd y = with_fixed(before);    // adds to what is there
     Alone comm;
-    const double power = s.apply(dt, p.data(), y.data(), comm);
-    EXPECT_LT((without_fixed(y) - before - dt * K * v).norm(), 1.0e-13 * dt * (K * v).norm());
-    EXPECT_NEAR(power, dt * v.dot(K * v), 1.0e-13 * dt * v.norm() * (K * v).norm());
+    const double power = s.apply(dt, n + 1, p.data(), y.data(), comm);
+    const VectorXd Kv = without_fixed(y) - before;
+    EXPECT_LT((Kv - dt * K * v).norm(), SINGLE * dt * (K * v).norm());
+    EXPECT_NEAR(power, v.dot(Kv), 1.0e-13 * v.norm() * Kv.norm());
     EXPECT_EQ(y.head(STRIDE).norm(), 0.0);
     for (int i = 0; i <= n; i++) EXPECT_EQ(y[STRIDE * i + 3], 0.0);
     EXPECT_EQ(comm.sums, 1);
 
     s.cells.clear();    // no cells, no message
-    s.apply(dt, p.data(), y.data(), comm);
+    s.apply(dt, n + 1, p.data(), y.data(), comm);
     EXPECT_EQ(comm.sums, 1);
+  }
+}
+
+// single precision of the factors must leave no trace in the form of the matrix
+TEST(StiffnessBlocks, PackedMatrixIsSymmetricSemidefiniteAndBlindToTranslations)
+{
+  Random random(107, 0, 0);
+  const int n = 15;
+  StiffnessSystem s = random_system(random, n);
+  s.cells.clear();    // their random gradients see translations
+  auto inside = [](const auto &b) {
+    for (int i : b.n)
+      if (i == 0) return false;
+    return true;
+  };
+  auto outside = [&](const auto &b) {
+    return !inside(b);
+  };
+  s.contacts.erase(std::remove_if(s.contacts.begin(), s.contacts.end(), outside),
+                   s.contacts.end());
+  s.hinges.erase(std::remove_if(s.hinges.begin(), s.hinges.end(), outside), s.hinges.end());
+  s.edges.erase(std::remove_if(s.edges.begin(), s.edges.end(),
+                               [](const EdgeBlock &b) { return b.i == 0 || b.j == 0; }),
+                s.edges.end());
+  ASSERT_GT(s.contacts.size() * s.hinges.size() * s.edges.size(), 100u);
+  s.merge();
+  MatrixXd K(3 * n, 3 * n);
+  Alone alone;
+  for (int c = 0; c < 3 * n; c++) {
+    VectorXd y = VectorXd::Zero(STRIDE * (n + 1));
+    const VectorXd p = with_fixed(VectorXd::Unit(3 * n, c));
+    s.apply(1.0, n + 1, p.data(), y.data(), alone);
+    K.col(c) = without_fixed(y);
+  }
+  EXPECT_LT((K - K.transpose()).norm(), 1.0e-14 * K.norm());
+  EXPECT_GT(smallest_eigenvalue(K), -1.0e-13 * K.norm());
+  for (int k = 0; k < 3; k++) {
+    VectorXd shift = VectorXd::Zero(3 * n);
+    for (int i = 0; i < n; i++) shift[3 * i + k] = 1.0;
+    EXPECT_LT((K * shift).norm(), 1.0e-13 * K.norm());
   }
 }
 
@@ -266,7 +311,7 @@ TEST(StiffnessBlocks, CellSharedByProcesses)
   const VectorXd zero = VectorXd::Zero(p.size());
   Alone alone;
   VectorXd y = zero;
-  const double power = whole.apply(2.0, p.data(), y.data(), alone);
+  const double power = whole.apply(2.0, n + 1, p.data(), y.data(), alone);
 
   // first round: what each process would send; second: each receives the sum
   struct Listen {
@@ -278,13 +323,13 @@ TEST(StiffnessBlocks, CellSharedByProcesses)
     void sum(double *v, int n) { std::copy(total.begin(), total.begin() + n, v); }
   } answer;
   VectorXd half[2] = {zero, zero};
-  for (int rank : {0, 1}) part[rank].apply(2.0, p.data(), half[rank].data(), sent[rank]);
+  for (int rank : {0, 1}) part[rank].apply(2.0, n + 1, p.data(), half[rank].data(), sent[rank]);
   for (size_t c = 0; c < whole.cells.size(); c++)
     answer.total.push_back(sent[0].sent[c] + sent[1].sent[c]);
   double shares = 0.0;
   for (int rank : {0, 1}) {
     half[rank].setZero();
-    shares += part[rank].apply(2.0, p.data(), half[rank].data(), answer);
+    shares += part[rank].apply(2.0, n + 1, p.data(), half[rank].data(), answer);
     EXPECT_GT(half[rank].norm(), 0.0);
   }
   EXPECT_LT((half[0] + half[1] - y).norm(), 1.0e-13 * y.norm());

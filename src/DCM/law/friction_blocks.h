@@ -8,6 +8,8 @@
 #ifndef DCM_FRICTION_BLOCKS_H
 #define DCM_FRICTION_BLOCKS_H
 
+#include <Eigen/Core>
+
 #include <cstddef>
 #include <initializer_list>
 
@@ -41,6 +43,20 @@ struct IsoEdge {
 };
 
 constexpr int STRIDE = 4;    // numbers per slot of a vector
+
+// the numbers of a slot, taken together
+
+using Slot = Eigen::Array<double, STRIDE, 1>;
+
+inline Eigen::Map<const Slot> slot(const double *numbers)
+{
+  return Eigen::Map<const Slot>(numbers);
+}
+
+inline Eigen::Map<Slot> slot(double *numbers)
+{
+  return Eigen::Map<Slot>(numbers);
+}
 
 /* ----------------------------------------------------------------------
    y += (the part of a block along its direction) * p; returns p . (that part) p

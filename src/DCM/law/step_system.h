@@ -34,7 +34,7 @@ class StepSystem {
   template <class Communicator> double apply(const double *p, double *y, Communicator &comm) const
   {
     const double power = friction.apply(p, y);
-    return power + stiffness.apply(dt, p, y, comm);
+    return power + stiffness.apply(dt, (std::size_t) nall + 1, p, y, comm);
   }
 
   bool isotropic() const { return false; }

@@ -23,6 +23,7 @@
 #define DCM_STIFFNESS_H
 
 #include "friction.h"
+#include "stiffness_packed.h"
 
 #include <cstddef>
 #include <vector>
@@ -30,7 +31,8 @@
 namespace dcm {
 
 /// c (g_1, ..., g_N) (g_1, ..., g_N)^T over N slots, each with a direction of its own: energy of a
-/// scalar with gradient g and second derivative c >= 0. Slots differ, but for the fixed slot 0.
+/// scalar with gradient g and second derivative c >= 0 that a translation does not change: the
+/// directions sum to zero. Slots differ, but for the fixed slot 0.
 template <int N> struct RankOne {
   int n[N];
   double c;
@@ -50,50 +52,6 @@ struct CellBlock {
   std::size_t begin, end;
   double c;
 };
-
-/* ----------------------------------------------------------------------
-   y += dt (block) p; returns p . dt (block) p
-------------------------------------------------------------------------- */
-
-inline double add_product(const EdgeBlock &b, double dt, const double *p, double *y)
-{
-  const double *pi = p + STRIDE * (std::size_t) b.i, *pj = p + STRIDE * (std::size_t) b.j;
-  double *yi = y + STRIDE * (std::size_t) b.i, *yj = y + STRIDE * (std::size_t) b.j;
-  double d = 0.0, power = 0.0;
-  for (int k = 0; k < 3; k++) d += (pi[k] - pj[k]) * b.e[k];
-  for (int k = 0; k < 3; k++) {
-    const double f = dt * (b.iso * (pi[k] - pj[k]) + b.along * d * b.e[k]);
-    power += f * (pi[k] - pj[k]);
-    yi[k] += f;
-    yj[k] -= f;
-  }
-  return power;
-}
-
-inline double add_product(const ContactBlock &b, double dt, const double *p, double *y)
-{
-  double s[3] = {0.0, 0.0, 0.0}, d = 0.0, power = 0.0;
-  for (int l = 0; l < 6; l++)
-    for (int k = 0; k < 3; k++) s[k] += b.w[l] * p[STRIDE * (std::size_t) b.n[l] + k];
-  for (int k = 0; k < 3; k++) d += s[k] * b.u[k];
-  for (int k = 0; k < 3; k++) {
-    const double f = dt * (b.tangential * s[k] + (b.normal - b.tangential) * d * b.u[k]);
-    power += f * s[k];
-    for (int l = 0; l < 6; l++) y[STRIDE * (std::size_t) b.n[l] + k] += b.w[l] * f;
-  }
-  return power;
-}
-
-template <int N> double add_product(const RankOne<N> &b, double dt, const double *p, double *y)
-{
-  double d = 0.0;
-  for (int l = 0; l < N; l++)
-    for (int k = 0; k < 3; k++) d += b.g[l][k] * p[STRIDE * (std::size_t) b.n[l] + k];
-  const double f = dt * b.c * d;
-  for (int l = 0; l < N; l++)
-    for (int k = 0; k < 3; k++) y[STRIDE * (std::size_t) b.n[l] + k] += f * b.g[l][k];
-  return f * d;
-}
 
 /* ----------------------------------------------------------------------
    add the diagonal 3x3 blocks of dt (block) to d, 6 numbers per slot as in friction.h
@@ -136,7 +94,7 @@ template <int N> void add_full_diagonal(const RankOne<N> &b, double dt, double *
 class StiffnessSystem {
  public:
   std::vector<EdgeBlock> edges;
-  std::vector<ContactBlock> contacts;
+  std::vector<ContactBlock> contacts;    ///< slope along u in `normal`; tangential is 0
   std::vector<RankOne<4>> hinges;
   std::vector<CellBlock> cells;    ///< as many, in the same order and with the same c, everywhere
   std::vector<CellNode> nodes;     ///< of all cells, those of one cell next to each other
@@ -150,6 +108,14 @@ class StiffnessSystem {
     nodes.clear();
   }
 
+  /// To be called when all blocks are there, and again after any has changed.
+  void merge()
+  {
+    pack(edges, packed_edges);
+    pack(contacts, packed_contacts);
+    pack(hinges, packed_hinges);
+  }
+
   double memory_usage() const
   {
     return (double) sizeof(EdgeBlock) * edges.capacity() +
@@ -157,21 +123,25 @@ class StiffnessSystem {
            (double) sizeof(RankOne<4>) * hinges.capacity() +
            (double) sizeof(CellBlock) * cells.capacity() +
            (double) sizeof(CellNode) * nodes.capacity() +
-           (double) sizeof(double) * (mine.capacity() + whole.capacity());
+           (double) sizeof(double) * (mine.capacity() + whole.capacity()) +
+           (double) sizeof(PackedEdge) * packed_edges.capacity() +
+           (double) sizeof(PackedContact) * packed_contacts.capacity() +
+           (double) sizeof(PackedHinge) * packed_hinges.capacity();
   }
 
   /// y += dt K p of this process' blocks: to be called after FrictionSystem::apply(), with p known
-  /// in all slots; slots of other processes are then to be added to their owners. Returns this
+  /// in all of `n` slots; slots of other processes are then to be added to their owners. Returns this
   /// process' share of p . dt K p. Collective: one sum over the cells, if there are any.
   template <class Communicator>
-  double apply(double dt, const double *p, double *y, Communicator &comm)
+  double apply(double dt, std::size_t n, const double *p, double *y, Communicator &comm)
   {
     double power = 0.0;
-    for (const auto &b : edges) power += add_product(b, dt, p, y);
-    for (const auto &b : contacts) power += add_product(b, dt, p, y);
-    for (const auto &b : hinges) power += add_product(b, dt, p, y);
+    for (const auto &b : packed_edges) power += b.product(dt, p, y);
+    for (const auto &b : packed_contacts) power += b.product(dt, p, y);
+    for (const auto &b : packed_hinges) power += b.product(dt, p, y);
     if (!cells.empty()) power += apply_cells(dt, p, y, comm);
     for (int k = 0; k < STRIDE; k++) y[k] = 0.0;    // slot 0 is fixed
+    for (std::size_t i = 1; i < n; i++) y[STRIDE * i + 3] = 0.0;
     return power;
   }
 
@@ -188,7 +158,18 @@ class StiffnessSystem {
   }
 
  private:
+  std::vector<PackedEdge> packed_edges;
+  std::vector<PackedContact> packed_contacts;
+  std::vector<PackedHinge> packed_hinges;
   std::vector<double> mine, whole;    // G . p per cell: of this process, of all
+
+  template <class Block, class Packed>
+  static void pack(const std::vector<Block> &blocks, std::vector<Packed> &packed)
+  {
+    packed.clear();
+    packed.reserve(blocks.size());
+    for (const auto &b : blocks) packed.emplace_back(b);
+  }
 
   template <class Communicator>
   double apply_cells(double dt, const double *p, double *y, Communicator &comm)
