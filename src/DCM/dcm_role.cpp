@@ -60,6 +60,12 @@ unsigned DCMRole::traits_of(LAMMPS *lmp)
   return traits;
 }
 
+int DCMRole::look_every(LAMMPS *lmp, int given, int usual)
+{
+  if (given) return given;
+  return (traits_of(lmp) & CHOOSES_STEP) ? 1 : usual;
+}
+
 DCMRole *DCMRole::marker_of(LAMMPS *lmp)
 {
   for (auto *const role : of(lmp))

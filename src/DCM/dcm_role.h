@@ -120,6 +120,11 @@ class DCMRole {
 
   static std::vector<DCMRole *> of(class LAMMPS *);
   static unsigned traits_of(class LAMMPS *);    // of any of them
+
+  // steps between two looks at the cells: as given, 0: `usual`, but every step where steps are
+  // chosen as long as they may be
+
+  static int look_every(class LAMMPS *, int given, int usual);
   static DCMRole *marker_of(class LAMMPS *);    // the one that marks faces, nullptr: none
 
   // errors in init() of a fix that decides in initial_integrate: it has to come before the fix that

@@ -53,7 +53,7 @@ FixDCMConvert::FixDCMConvert(LAMMPS *lmp, int narg, char **arg) :
     near_bit(0), near{0.0, 0.0}, seed(1), counts{0, 0}
 {
   AtomVecDCM::require(lmp, STYLE);
-  nevery = 100;
+  every = 0;
   parse(narg - 3, arg + 3);
   if (sphere.center == 0 || deformable.center == 0)
     error->all(FLERR,
@@ -108,7 +108,7 @@ void FixDCMConvert::parse(int narg, char **arg)
     } else if (args.is("rest")) {
       rest = args.number(DCMArgs::POSITIVE);
     } else if (args.is("every")) {
-      nevery = (int) args.whole();
+      every = (int) args.whole();
     } else {
       seed = args.whole();
     }
@@ -124,6 +124,7 @@ int FixDCMConvert::setmask()
 
 void FixDCMConvert::init()
 {
+  nevery = look_every(lmp, every, 100);
   cell = FixDCMCell::require(lmp, STYLE);
   if (!cell->expects_deformable())
     error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck", STYLE);

@@ -50,6 +50,8 @@ class FixDCMConvert : public Fix, public DCMRole {
  private:
   using Cells = std::vector<DCMCellTable::CellAtom>;
 
+  int every;    // looks, as given, 0: not
+
   struct Change {
     tagint molecule;
     bool to_deformable;

@@ -50,7 +50,9 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   dcm = AtomVecDCM::require(lmp, STYLE);
   maxmove = 0.25;
   least_free = 1e-6;
-  implicit = automatic = ended = false;
+  implicit = true;
+  automatic = ended = false;
+  solver.tolerance = 1e-3;
   stop = std::numeric_limits<double>::infinity();
   given = least = longest = 0.0;
   step = wanted = error_of_step = rejected = 0.0;
@@ -84,7 +86,7 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
     }
   }
 
-  if (automatic && !implicit) error->all(FLERR, "{}: dt auto needs scheme implicit", STYLE);
+  if (automatic && !implicit) error->all(FLERR, "{}: dt auto does not go with scheme explicit", STYLE);
 
   time_integrate = 1;
   restart_global = automatic ? 1 : 0;

@@ -41,12 +41,17 @@ using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/osmosis";
 static constexpr int RECORD = 3;    // version of the restart record
+// s, the longest step while a lumen is fed: it opens by what contact lets go of in the step
+// before, so that long steps make it slow [ours]
+
+static constexpr double LONGEST = 10.0;
 static constexpr double FOREVER = std::numeric_limits<double>::infinity();
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/osmosis [pressure P|v_name [dilute V]] [solute rate R kT E [loss T] [least V]]
        marks flood|tracer [secrete GROUP] [free theta] [range r] [weight free|full] [memory yes|no]
        [slab x|y|z lo hi] [starter x y z r T | apical T] [ramp T] [every N]
+       [longest T]
 ------------------------------------------------------------------------- */
 
 FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
@@ -58,11 +63,12 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
     acting(0.0), worked(0.0), measured(false), wall(0.0), net(0.0)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
-  nevery = 10;
+  every = 0;
+  longest = LONGEST;
 
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
                {"pressure", "dilute", "solute", "marks", "secrete", "free", "range", "weight",
-                "memory", "slab", "starter", "ramp", "every"});
+                "memory", "slab", "starter", "ramp", "every", "longest"});
   bool has_pressure = false, has_marks = false;
   while (args.next()) {
     if (args.is("pressure")) {
@@ -112,8 +118,10 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
       parse_starter(args);
     } else if (args.is("ramp")) {
       ramp = args.number(DCMArgs::NONNEGATIVE);
+    } else if (args.is("longest")) {
+      longest = args.number(DCMArgs::POSITIVE);
     } else {
-      nevery = (int) args.whole();
+      every = (int) args.whole();
     }
   }
   if (!has_pressure && !solute)
@@ -173,6 +181,7 @@ int FixDCMOsmosis::setmask()
 
 void FixDCMOsmosis::init()
 {
+  nevery = look_every(lmp, every, 10);
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
   graph.init();
@@ -399,8 +408,8 @@ double FixDCMOsmosis::next_event()
 
 double FixDCMOsmosis::longest_step()
 {
-  if (ramp > 0.0 && now.begun >= 0.0 && now.clock - now.begun < ramp) return 0.1 * ramp;
-  return DCMRole::longest_step();
+  if (ramp > 0.0 && now.begun >= 0.0 && now.clock - now.begun < ramp) return std::min(longest, 0.1 * ramp);
+  return now.nfaces > 0 ? longest : DCMRole::longest_step();
 }
 
 /* ----------------------------------------------------------------------

@@ -78,7 +78,8 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   double theta, range;
   std::string secretes;     // group, empty: that of the fix
   int secrete_bit, axis;    // axis: of the slab, -1: none
-  double lo, hi, ramp;
+  double lo, hi, ramp, longest;
+  int every;    // as given, 0: not
   enum { NO_STARTER, AT_POINT, APICAL } starter;
   double point[3], radius, starting;    // of the starter: where, and for how long
 

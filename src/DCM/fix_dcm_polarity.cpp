@@ -61,7 +61,7 @@ FixDCMPolarity::FixDCMPolarity(LAMMPS *lmp, int narg, char **arg) :
     nclosed(0)
 {
   AtomVecDCM::require(lmp, STYLE);
-  nevery = 10;
+  every = 0;
   parse(narg - 3, arg + 3);
 
   vector_flag = 1;
@@ -116,7 +116,7 @@ void FixDCMPolarity::parse(int narg, char **arg)
     } else if (args.is("freeze")) {
       freeze = args.number(DCMArgs::NONNEGATIVE);
     } else {
-      nevery = (int) args.whole();
+      every = (int) args.whole();
     }
   }
   if (!basal_given) cones.basal = cones.apical;
@@ -151,6 +151,7 @@ int FixDCMPolarity::setmask()
 
 void FixDCMPolarity::init()
 {
+  nevery = look_every(lmp, every, 10);
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));

@@ -55,6 +55,7 @@ class FixDCMPolarity : public Fix, public DCMRole {
   // settings
 
   bigint seed;
+  int every;    // looks, as given, 0: not
   dcm::SurfaceCones cones;
   bool ribbon_auto, by_area;    // by_area: faces count with their free area
   enum { ALL, LUMEN, OUTSIDE };

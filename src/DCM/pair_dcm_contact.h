@@ -165,7 +165,7 @@ class PairDCMContact : public Pair, public DCMRole {
   double guessed = 0.0;            // 1: h0, range derived before there was any mesh
   std::vector<double> laid_out;    // per type: TypeInfo::promise, 0: not yet
   bool warned_h0 = false;
-  bool own_collections = false;    // of neighbor style multi
+  bool own_collections = false;                      // of neighbor style multi
   double stiffest = 0.0;                             // law foundation: largest stiffness per area
   std::vector<std::pair<int, int>> excluded_here;    // types kept apart by this style
 

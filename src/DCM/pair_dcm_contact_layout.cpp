@@ -331,14 +331,18 @@ void PairDCMContact::choose_collections()
     neighbor->ncollections = atom->ntypes;
     own_collections = false;
   }
-  if (neighbor->style != Neighbor::MULTI || neighbor->custom_collection_flag || force->pair != this ||
-      comm->mode != Comm::SINGLE || neighbor->binsizeflag)
+  if (neighbor->style != Neighbor::MULTI || neighbor->custom_collection_flag ||
+      force->pair != this || comm->mode != Comm::SINGLE || neighbor->binsizeflag)
     return;
 
   std::vector<int> order;
   for (int t = 1; t <= atom->ntypes; t++) order.push_back(t);
-  auto reach = [this](int t) { return types[t].active ? types[t].promise : 0.0; };
-  std::stable_sort(order.begin(), order.end(), [&](int s, int t) { return reach(s) < reach(t); });
+  auto reach = [this](int t) {
+    return types[t].active ? types[t].promise : 0.0;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int s, int t) {
+    return reach(s) < reach(t);
+  });
   std::string lists;
   int n = 0;
   double least = -1.0;

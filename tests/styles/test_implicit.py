@@ -162,6 +162,53 @@ def test_dumps_by_time_are_met(lmp, scenes):
     assert len(rows) > 1000 and all(row[1] == row[2] for row in rows)
 
 
+def energy_balance(lmp, scenes, dt, seconds=48):
+    """Elastic energy that a stretched cell loses as it relaxes, and the sum of dt F.v over the
+    steps."""
+    scene = scenes.single_cell(level=2, boundary="f f f", box=15.0)
+    result = lmp(
+        scene.head() + scene.cortex() + "comm_modify cutoff 8\nfix cell all dcm/cell\n"
+        + scene.volume() + "group nodes type 2\n"
+        + "displace_atoms all ramp x 0 1.5 x -6 6\n"
+        + scene.motion(options="tolerance 1e-12 scheme implicit maxmove 1")
+        + "variable fv atom fx*vx+fy*vy+fz*vz\ncompute power nodes reduce sum v_fv\n"
+        + scenes.thermo(["E=ebond+edihed+f_volume", "p=c_power"])
+        + f"timestep {dt}\nrun {round(seconds / dt)}\n").thermo
+    lost = result[0]["v_E"] - result[-1]["v_E"]
+    return lost, dt * sum(row["v_p"] for row in result[:-1])
+
+
+def test_energy_balance_is_of_first_order(lmp, scenes):
+    """What a relaxing cell loses of its elastic energy is the work of its forces along its motion.
+    Euler takes the force at the begin of the step: the gap halves with the step."""
+    gaps = []
+    for dt in (4.0, 2.0, 1.0, 0.5):
+        lost, work = energy_balance(lmp, scenes, dt)
+        assert lost > 0.1 and work > 0.0
+        gaps.append(abs(work - lost) / lost)
+    assert gaps[-1] < 0.02
+    for coarse, fine in zip(gaps, gaps[1:], strict=False):
+        assert 1.6 < coarse / fine < 2.4, gaps
+
+
+@pytest.mark.parametrize("dt", [20.0, 200.0])
+def test_mirror_images_stay_mirror_images(lmp, scenes, dt):
+    """Two cells, one the mirror image of the other at x = 0, in steps ten and a hundred times as
+    long as the explicit scheme stands."""
+    scene = scenes.doublet(level=2)
+    result = lmp(
+        scene.head() + scene.forces()
+        + scene.motion(options="scheme implicit tolerance 1e-12 maxmove 3")
+        + "group a molecule 1\ngroup b molecule 2\ncompute cell all dcm/cell volume pressure\n"
+        + "compute a a reduce sum c_cell[1] c_cell[2]\ncompute b b reduce sum c_cell[1] c_cell[2]\n"
+        + scenes.thermo(["xa=xcm(a,x)", "xb=xcm(b,x)", "va=c_a[1]", "vb=c_b[1]", "pa=c_a[2]",
+                         "pb=c_b[2]"], 10)
+        + f"timestep {dt}\nrun 50\n").thermo[-1]
+    assert result["v_xa"] == pytest.approx(-result["v_xb"], rel=1e-6)
+    assert result["v_va"] == pytest.approx(result["v_vb"], rel=1e-6)
+    assert result["v_pa"] == pytest.approx(result["v_pb"], rel=1e-5)
+
+
 def test_stiffness_moves_no_center_of_friction(lmp, scenes):
     """Two equal spheres that attract each other keep the mean of their positions: stiffness, like
     forces between cells, adds up to nothing."""
@@ -197,7 +244,7 @@ def test_stiff_contacts_take_the_same_steps(lmp, scenes):
 
 BAD = {
     "no tol": ("scheme implicit dt auto max 3", "dt auto needs tol"),
-    "explicit": ("dt auto tol 0.1", "dt auto needs scheme implicit"),
+    "explicit": ("scheme explicit dt auto tol 0.1", "dt auto does not go with scheme explicit"),
     "min above max": ("scheme implicit dt auto tol 0.1 min 3 max 2", "min is 3, above max 2"),
     "tol": ("scheme implicit dt auto tol 0", "dt auto tol is 0.*positive"),
     "max": ("scheme implicit dt auto tol 1 max x", "dt auto max is 'x'"),

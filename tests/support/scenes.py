@@ -87,6 +87,9 @@ class Scene:
         return f"fix motility all dcm/motility {self.map} seed {seed} {options}\n"
 
     def motion(self, group="all", options="tolerance 1e-12"):
+        """Of scheme explicit, whose velocities are those of the forces, unless options say."""
+        if "scheme" not in options:
+            options = f"scheme explicit {options}"
         return f"fix motion {group} dcm/motion {self.map} {options}\n"
 
     def forces(self, contact="", **options):

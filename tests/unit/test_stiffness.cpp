@@ -231,11 +231,12 @@ TEST(StiffnessBlocks, PackedMatrixIsSymmetricSemidefiniteAndBlindToTranslations)
   auto outside = [&](const auto &b) {
     return !inside(b);
   };
-  s.contacts.erase(std::remove_if(s.contacts.begin(), s.contacts.end(), outside),
-                   s.contacts.end());
+  s.contacts.erase(std::remove_if(s.contacts.begin(), s.contacts.end(), outside), s.contacts.end());
   s.hinges.erase(std::remove_if(s.hinges.begin(), s.hinges.end(), outside), s.hinges.end());
   s.edges.erase(std::remove_if(s.edges.begin(), s.edges.end(),
-                               [](const EdgeBlock &b) { return b.i == 0 || b.j == 0; }),
+                               [](const EdgeBlock &b) {
+                                 return b.i == 0 || b.j == 0;
+                               }),
                 s.edges.end());
   ASSERT_GT(s.contacts.size() * s.hinges.size() * s.edges.size(), 100u);
   s.merge();

@@ -31,13 +31,14 @@ def deck():
     text = text[:begin] + (
         f"dump c dcm custom 1000000 cells.dump id x y z c_cell[4]\n"
         f"dump_modify c every/time {EVERY} sort id format float %.12g\n") + text[end:]
+    text = text.replace("stop $(3600*v_hours)", f"stop {SECONDS}")
     return text[:text.index("run       ")] + "run 1000000000\n"
 
 
 def run(folder, lmp, dt, motion):
     """Seconds it takes, steps, and per frame of the dump an array (cells, x y z pressure)."""
     scene = (ROOT / "examples/bile_duct/scene.bile_duct").read_text()
-    scene = scene.replace("dcm/motion\n", f"dcm/motion {motion} stop {SECONDS}\n")
+    scene = scene.replace("dcm/motion ${motion}\n", f"dcm/motion {motion}\n")
     scene = scene.replace("timestep        1.0", f"timestep {dt}")
     (folder / "scene.bile_duct").write_text(scene)
     (folder / "in.step").write_text(deck())

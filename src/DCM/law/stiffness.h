@@ -130,8 +130,8 @@ class StiffnessSystem {
   }
 
   /// y += dt K p of this process' blocks: to be called after FrictionSystem::apply(), with p known
-  /// in all of `n` slots; slots of other processes are then to be added to their owners. Returns this
-  /// process' share of p . dt K p. Collective: one sum over the cells, if there are any.
+  /// in all of `n` slots; slots of other processes are then to be added to their owners. Returns
+  /// this process' share of p . dt K p. Collective: one sum over the cells, if there are any.
   template <class Communicator>
   double apply(double dt, std::size_t n, const double *p, double *y, Communicator &comm)
   {

@@ -39,8 +39,8 @@ struct PackedEdge {
   int i, j;
 
   explicit PackedEdge(const EdgeBlock &b) :
-      e{(float) b.e[0], (float) b.e[1], (float) b.e[2]}, along((float) b.along),
-      iso((float) b.iso), i(b.i), j(b.j)
+      e{(float) b.e[0], (float) b.e[1], (float) b.e[2]}, along((float) b.along), iso((float) b.iso),
+      i(b.i), j(b.j)
   {
   }
 
@@ -77,9 +77,9 @@ struct PackedHinge {
     for (int l = 0; l < 4; l++) s[l] = STRIDE * (std::size_t) n[l];
     const Slot g0 = packed_slot(g), g1 = packed_slot(g + 3), g2 = packed_slot(g + 6);
     const Slot last = slot(p + s[3]);
-    const double d = (g0 * (slot(p + s[0]) - last) + g1 * (slot(p + s[1]) - last) +
-                      g2 * (slot(p + s[2]) - last))
-                         .sum();
+    const double d =
+        (g0 * (slot(p + s[0]) - last) + g1 * (slot(p + s[1]) - last) + g2 * (slot(p + s[2]) - last))
+            .sum();
     const double f = dt * d;
     slot(y + s[0]) += f * g0;
     slot(y + s[1]) += f * g1;
