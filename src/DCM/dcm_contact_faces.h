@@ -125,13 +125,8 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
     if (HISTORY) *face_touch[n] = touching;
     if (!touching) continue;
     r.scale(weight);
-    count.overlap = std::max(count.overlap, overlap);
-    if (overlap > count.share * limit) {
-      count.share = overlap / limit;
-      count.deepest = overlap;
-      count.deep[0] = atom->molecule[face.atom];
-      count.deep[1] = atom->molecule[other.atom];
-    }
+    if (overlap > count.overlap || overlap > count.share * limit)
+      note_overlap(fi, gi, r.u, overlap, limit);
     count.contacts++;
     count.area += r.area;
 

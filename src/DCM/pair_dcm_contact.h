@@ -57,7 +57,7 @@ class PairDCMContact : public Pair, public DCMRole {
     bigint pairs = 0;             // pairs in the neighbor list
     bigint contacts = 0;          // of them in contact
     double area = 0.0;            // total contact area
-    double overlap = 0.0;         // largest overlap of faces
+    double overlap = 0.0;         // largest overlap of faces right in front of each other
     double share = 0.0;           // largest part of what the smaller cell bears
     double deepest = 0.0;         // that overlap
     tagint deep[2] = {0, 0};      // and between which cells
@@ -136,9 +136,10 @@ class PairDCMContact : public Pair, public DCMRole {
   // cells grow
   static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
 
-  // overlap that a cell bears, in mean edges of its mesh
+  // overlap that a cell bears, in mean edges of its mesh; parts of it from which on there is a
+  // warning; volumes of cells over that of the box, likewise
 
-  static constexpr double RANGE = 0.75;
+  static constexpr double RANGE = 0.75, DEEP = 0.3, OVERFILLED = 1.01;
 
   using Contacts = void (PairDCMContact::*)();
   struct Law {
@@ -285,6 +286,7 @@ class PairDCMContact : public Pair, public DCMRole {
   static double round_up(double);
   bool deep_inside(const dcm::Vec3 &, int, double);
   bool ran_into(int, int, const dcm::Vec3 &, double);
+  void note_overlap(int, int, const dcm::Vec3 &, double, double);
   bool swallowed(int, int);
   [[noreturn]] void fail_pair(int, int, double, double, double);
 };

@@ -34,10 +34,6 @@ using namespace LAMMPS_NS;
 using dcm::vec;
 using dcm::Vec3;
 
-// warnings: volumes of cells over that of the box, overlap over what ends the run
-
-static constexpr double OVERFILLED = 1.01, DEEP = 0.5;
-
 // a cell as the start check sees it: the sphere of its volume
 
 namespace {
@@ -336,6 +332,26 @@ bool PairDCMContact::ran_into(int fi, int gi, const Vec3 &u, double limit)
 }
 
 /* ----------------------------------------------------------------------
+   the largest overlaps, of faces of which one has its middle in front of the other. Where there
+   would be a warning, only what lies as deep inside the other cell: faces beside a sharp corner look
+   as if they did.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::note_overlap(int fi, int gi, const Vec3 &u, double overlap, double limit)
+{
+  const auto &faces = fix_cell->faces();
+  const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
+  if (!covers(f, g.mid, u) && !covers(g, f.mid, u)) return;
+  if (overlap > DEEP * limit && !ran_into(fi, gi, u, 0.5 * DEEP * limit)) return;
+  count.overlap = std::max(count.overlap, overlap);
+  if (!(overlap > count.share * limit)) return;
+  count.share = overlap / limit;
+  count.deepest = overlap;
+  count.deep[0] = atom->molecule[faces[fi].atom];
+  count.deep[1] = atom->molecule[faces[gi].atom];
+}
+
+/* ----------------------------------------------------------------------
    a sphere behind a face: is its center in the cell? Only just behind the face: farther there may
    be the other side of a thin cell.
 ------------------------------------------------------------------------- */
@@ -423,6 +439,7 @@ void PairDCMContact::measure_overlap()
 
 void PairDCMContact::fail_pair(int i, int j, double depth, double limit, double force)
 {
+  if (atom->molecule[i] > atom->molecule[j]) std::swap(i, j);
   if (!std::isfinite(force) || !std::isfinite(depth))
     error->one(FLERR,
                "Pair style dcm/contact: the contact of cells {} and {} (atoms {} and {}) has force "
