@@ -24,6 +24,7 @@
 #include "law/volume.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
+#include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
@@ -277,6 +278,12 @@ void PairDCMContact::check_start()
    axis of a contact and yet next to the surface.
 ------------------------------------------------------------------------- */
 
+// Winding number, of what is known here of the surface: 1 inside, 0 outside of one that is known to
+// its end; just behind a wall whose other side is not known 0.5, just in front of it -0.5. The nearest
+// face would not do: where a corner has turned inside out, it shows the wrong side.
+
+static constexpr double INSIDE = 0.25;
+
 bool PairDCMContact::deep_inside(const Vec3 &x, int cell, double least)
 {
   const auto &faces = fix_cell->faces();
@@ -290,11 +297,13 @@ bool PairDCMContact::deep_inside(const Vec3 &x, int cell, double least)
   }
   double *const *const at = atom->x;
   dcm::SurfaceDistance nearest;
+  double winding = 0.0;
   for (const int f : faces_of_cell[cell]) {
-    const int *v = faces[f].v;
-    nearest.add(x, vec(at[v[0]]), vec(at[v[1]]), vec(at[v[2]]));
+    const Vec3 a = vec(at[faces[f].v[0]]), b = vec(at[faces[f].v[1]]), c = vec(at[faces[f].v[2]]);
+    nearest.add(x, a, b, c);
+    winding += dcm::face_winding(x, a, b, c);
   }
-  return nearest.inside() && nearest.distance() > least;
+  return nearest.distance() > least && winding > INSIDE;
 }
 
 /* ----------------------------------------------------------------------
@@ -322,7 +331,8 @@ bool PairDCMContact::ran_into(int fi, int gi, const Vec3 &u, double limit)
 {
   const auto &faces = fix_cell->faces();
   const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
-  const double known = own_cutoff - face_reach - (g.mid - f.mid).norm();
+  const double known =
+      own_cutoff - 2.0 * face_reach - neighbor->skin - (g.mid - f.mid).norm();    // to their corners
   for (const auto &[point, here, front, wall] :
        {std::tuple(&f.mid, fi, &g, gi), std::tuple(&g.mid, gi, &f, fi)}) {
     if (here >= fix_cell->nowned() && known < limit) continue;
