@@ -118,8 +118,8 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
     const double limit = std::min(bears[face.cell], bears[other.cell]);
     const double depth = std::max({overlap, g.n.dot(apart), -f.n.dot(apart)});
     const bool beyond = !(overlap <= overlap_used);
-    if (!std::isfinite(r.force) || (!(depth <= limit) && !(f.n.dot(g.n) > DCM_OPPOSED) &&
-                                    ran_into(fi, gi, r.u, limit)))
+    if (!std::isfinite(r.force) ||
+        (!(depth <= limit) && !(f.n.dot(g.n) > DCM_OPPOSED) && ran_into(fi, gi, r.u, limit)))
       fail_pair(face.atom, other.atom, depth, limit, r.force);
     const bool touching = !beyond && weight > 0.0;
     if (HISTORY) *face_touch[n] = touching;

@@ -173,7 +173,7 @@ class PairDCMContact : public Pair, public DCMRole {
   double guessed = 0.0;            // 1: h0, range derived before there was any mesh
   std::vector<double> laid_out;    // per type: TypeInfo::promise, 0: not yet
   bool warned_h0 = false, warned_filled = false, warned_overlap = false;
-  double filled = 0.0, overlap = 0.0;    // measure_overlap()
+  double filled = 0.0, overlap = 0.0;                // measure_overlap()
   double stiffest = 0.0;                             // law foundation: largest stiffness per area
   std::vector<std::pair<int, int>> excluded_here;    // types kept apart by this style
 

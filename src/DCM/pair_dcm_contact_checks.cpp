@@ -159,9 +159,11 @@ void PairDCMContact::check_start()
   std::vector<Body> mine, bodies;
   for (int i = 0; i < atom->nlocal; i++)
     if (dcm->kind[i] == AtomVecDCM::SPHERE)
-      mine.push_back(
-          {atom->molecule[i], {atom->x[i][0], atom->x[i][1], atom->x[i][2]}, atom->radius[i], -1,
-           atom->radius[i]});
+      mine.push_back({atom->molecule[i],
+                      {atom->x[i][0], atom->x[i][1], atom->x[i][2]},
+                      atom->radius[i],
+                      -1,
+                      atom->radius[i]});
   bodies = dcm_allgather(mine, world);
   const auto reach = reaches(lmp, fix_cell);
   for (const int c : fix_cell ? fix_cell->cells().all_deformable() : std::vector<int>()) {
@@ -259,10 +261,11 @@ void PairDCMContact::check_start()
     int both = 0;
     for (int k = 0; pair.close && k <= NSTEP; k++) both += inside_both(pair.query + 2 + 2 * k);
     if (both < 5 && inside_both(pair.query))
-      error->all(FLERR,
-                 "Pair style dcm/contact: the center of cell {} lies inside cell {} at the start of "
-                 "the run; move them apart in the data file or the create_cells command",
-                 (b.radius < a.radius ? b : a).molecule, (b.radius < a.radius ? a : b).molecule);
+      error->all(
+          FLERR,
+          "Pair style dcm/contact: the center of cell {} lies inside cell {} at the start of "
+          "the run; move them apart in the data file or the create_cells command",
+          (b.radius < a.radius ? b : a).molecule, (b.radius < a.radius ? a : b).molecule);
     if (both < 5) continue;
     error->all(FLERR,
                "Pair style dcm/contact: cells {} and {} overlap by about {:.3} of the smaller "
@@ -279,8 +282,8 @@ void PairDCMContact::check_start()
 ------------------------------------------------------------------------- */
 
 // Winding number, of what is known here of the surface: 1 inside, 0 outside of one that is known to
-// its end; just behind a wall whose other side is not known 0.5, just in front of it -0.5. The nearest
-// face would not do: where a corner has turned inside out, it shows the wrong side.
+// its end; just behind a wall whose other side is not known 0.5, just in front of it -0.5. The
+// nearest face would not do: where a corner has turned inside out, it shows the wrong side.
 
 static constexpr double INSIDE = 0.25;
 
@@ -331,8 +334,8 @@ bool PairDCMContact::ran_into(int fi, int gi, const Vec3 &u, double limit)
 {
   const auto &faces = fix_cell->faces();
   const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
-  const double known =
-      own_cutoff - 2.0 * face_reach - neighbor->skin - (g.mid - f.mid).norm();    // to their corners
+  const double known = own_cutoff - 2.0 * face_reach - neighbor->skin -
+                       (g.mid - f.mid).norm();    // to their corners
   for (const auto &[point, here, front, wall] :
        {std::tuple(&f.mid, fi, &g, gi), std::tuple(&g.mid, gi, &f, fi)}) {
     if (here >= fix_cell->nowned() && known < limit) continue;
@@ -343,8 +346,8 @@ bool PairDCMContact::ran_into(int fi, int gi, const Vec3 &u, double limit)
 
 /* ----------------------------------------------------------------------
    the largest overlaps, of faces of which one has its middle in front of the other. Where there
-   would be a warning, only what lies as deep inside the other cell: faces beside a sharp corner look
-   as if they did.
+   would be a warning, only what lies as deep inside the other cell: faces beside a sharp corner
+look as if they did.
 ------------------------------------------------------------------------- */
 
 void PairDCMContact::note_overlap(int fi, int gi, const Vec3 &u, double overlap, double limit)
@@ -378,8 +381,8 @@ bool PairDCMContact::swallowed(int fi, int j)
 }
 
 /* ----------------------------------------------------------------------
-   the largest overlap that a cell bears, from the mean edge and the radius of its own: the pair's is
-   that of the smaller cell. By the mesh or as the deck says, but no more than half the cell.
+   the largest overlap that a cell bears, from the mean edge and the radius of its own: the pair's
+is that of the smaller cell. By the mesh or as the deck says, but no more than half the cell.
 ------------------------------------------------------------------------- */
 
 double PairDCMContact::bearable(double edge, double radius) const
@@ -405,8 +408,7 @@ void PairDCMContact::measure_overlap()
   if (fix_cell) {
     MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
     MPI_Allreduce(MPI_IN_PLACE, &overlap, 1, MPI_DOUBLE, MPI_MAX, world);
-    for (const int c : fix_cell->cells().all_deformable())
-      filled += fix_cell->cells()[c].volume;
+    for (const int c : fix_cell->cells().all_deformable()) filled += fix_cell->cells()[c].volume;
   }
   if (expect_spheres && domain->xperiodic && domain->yperiodic && domain->zperiodic) {
     double volume = 0.0;    // elsewhere they stick out of the box
@@ -438,10 +440,11 @@ void PairDCMContact::measure_overlap()
     MPI_Bcast(&depth, 1, MPI_DOUBLE, worst.rank, world);
     MPI_Bcast(cells, 2, MPI_LMP_TAGINT, worst.rank, world);
     if (comm->me == 0)
-      error->warning(FLERR,
-                     "Pair style dcm/contact: cells {} and {} overlap by {:.4} at step {}, {:.2} of "
-                     "what ends the run; {}",
-                     cells[0], cells[1], depth, update->ntimestep, worst.share, remedy);
+      error->warning(
+          FLERR,
+          "Pair style dcm/contact: cells {} and {} overlap by {:.4} at step {}, {:.2} of "
+          "what ends the run; {}",
+          cells[0], cells[1], depth, update->ntimestep, worst.share, remedy);
   }
 }
 

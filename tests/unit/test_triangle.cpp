@@ -82,8 +82,8 @@ TEST(Triangle, EdgesOfACubeTellTheSide)
 
 TEST(Triangle, CornerOfMixedFacesTellsTheSide)
 {
-  // a sharp apex over a dented ring: from beside it some faces are seen from the front, some from the
-  // back; against the winding number of the whole surface
+  // a sharp apex over a dented ring: from beside it some faces are seen from the front, some from
+  // the back; against the winding number of the whole surface
   dcm::Mesh mesh = dcm::icosphere(2);
   for (size_t k = 0; k < mesh.nodes.size(); k++)
     mesh.nodes[k] *= k % 3 ? 1.0 : 1.0 + 2.0 * (k % 2) - 0.6 * (k % 5 == 0);

@@ -72,7 +72,8 @@ class SurfaceDistance {
     const Vec3 *const corner[3] = {&a, &b, &c};
     for (int k = 0; k < 3; k++) {
       const Vec3 u = *corner[(k + 1) % 3] - *corner[k], v = *corner[(k + 2) % 3] - *corner[k];
-      if ((y - *corner[k]).squaredNorm() > TIE * std::min(u.squaredNorm(), v.squaredNorm())) continue;
+      if ((y - *corner[k]).squaredNorm() > TIE * std::min(u.squaredNorm(), v.squaredNorm()))
+        continue;
       return std::atan2(u.cross(v).norm(), u.dot(v));
     }
     return PI;
