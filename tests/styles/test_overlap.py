@@ -35,6 +35,7 @@ def pushed(scenes, big, small, force, box=(40.0, 20.0, 20.0), boundary="f f f", 
 
 
 BIG = ("dcm", (0.0, 0.0, 0.0), 6.0, 1)
+BALL = ("cbm", (0.0, 0.0, 0.0), 6.0, 0)
 # name: the two cells, force, style of the pair
 THROUGH = {
     "small": (BIG, ("dcm", (-7.5, 0.2, 0.3), 0.5, 1), 1.2566, ""),
@@ -43,8 +44,8 @@ THROUGH = {
     "range given": (BIG, ("dcm", (-7.5, 0.2, 0.3), 0.5, 1), 1.2566, "range 3"),
     "fine big": (("dcm", (0.0, 0.0, 0.0), 6.0, 3), ("dcm", (-7.5, 0.2, 0.3), 0.5, 1), 1.2566, ""),
     "sphere": (BIG, ("cbm", (-7.5, 0.2, 0.3), 0.5, 0), 1.2, ""),
-    "into a sphere": (("cbm", (0.0, 0.0, 0.0), 6.0, 0), ("dcm", (-7.5, 3.2, 0.3), 0.5, 1), 1.2566, ""),
-    "sphere into sphere": (("cbm", (0.0, 0.0, 0.0), 6.0, 0), ("cbm", (-7.5, 0.2, 0.3), 0.5, 0), 4.0, ""),
+    "into a sphere": (BALL, ("dcm", (-7.5, 3.2, 0.3), 0.5, 1), 1.2566, ""),
+    "sphere into sphere": (BALL, ("cbm", (-7.5, 0.2, 0.3), 0.5, 0), 4.0, ""),
 }  # fmt: skip
 
 
