@@ -56,8 +56,12 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_ce
 
 /* ----------------------------------------------------------------------
    do the projections along the axis lie on two sides of a line? Tried is the line across the
-   connection of their centroids, which settles most pairs at a fraction of the full test.
+   connection of their centroids, which settles most pairs at a fraction of the full test. Where one
+   lies right over the other, as in meshes that coincide, the connection has no part across the axis
+   but round-off, which says nothing.
 ------------------------------------------------------------------------- */
+
+constexpr double DCM_ROUND_OFF = 1.0e-24;    // of the square of the connection
 
 static inline bool separated(const dcm::FaceGeometry &f, const dcm::FaceGeometry &g,
                              const Vec3 &apart)
@@ -70,21 +74,7 @@ static inline bool separated(const dcm::FaceGeometry &f, const dcm::FaceGeometry
     front = std::max(front, side.dot(f.x[k] - f.mid));
     back = std::max(back, side.dot(g.mid - g.x[k]));
   }
-  return front + back < side.squaredNorm();
-}
-
-/* ----------------------------------------------------------------------
-   does a face lie on the line through a point along u?
-------------------------------------------------------------------------- */
-
-static inline bool covers(const dcm::FaceGeometry &face, const Vec3 &point, const Vec3 &u)
-{
-  const double sign = face.n.dot(u) > 0.0 ? 1.0 : -1.0;
-  for (int k = 0; k < 3; k++) {
-    const Vec3 edge = face.x[(k + 1) % 3] - face.x[k];
-    if (sign * edge.cross(point - face.x[k]).dot(u) < 0.0) return false;
-  }
-  return true;
+  return front + back + DCM_ROUND_OFF * apart.squaredNorm() < side.squaredNorm();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -93,7 +83,6 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
 {
   const auto &faces = fix_cell->faces();
   double *const *const force_of = atom->f;
-  const int nowned = fix_cell->nowned();
   if (!HISTORY) find_candidates();
   const size_t npairs = HISTORY ? face_pairs.size() : candidates.size();
   dcm::ContactResult r;
@@ -119,25 +108,25 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
       if (HISTORY) *face_touch[n] = 0;
       continue;
     }
-    // faces that have passed through each other look at each other and have their middles on the
-    // same line; others so far behind each other stand beside the same fold or corner, as those of
-    // newborn cells do, and do not touch. Asked for owned faces: around a ghost the other cell's
-    // surface is not known to its end
+    // faces that have passed through each other look at each other, and the middle of one of them
+    // lies behind the other; others so far behind each other stand beside the same fold or corner,
+    // as those of newborn cells do, and do not touch
 
     const auto &face = faces[fi], &other = faces[gi];
     const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(-g.n.dot(r.u));
     const double overlap = -apart.dot(r.u);
-    const bool beyond = !(overlap <= overlap_used), opposed = !(f.n.dot(g.n) > DCM_OPPOSED);
+    const double limit = std::min(bears[face.cell], bears[other.cell]);
+    const double depth = std::max({overlap, g.n.dot(apart), -f.n.dot(apart)});
+    const bool beyond = !(overlap <= overlap_used);
     if (!std::isfinite(r.force) ||
-        (beyond && opposed && covers(f, g.mid, r.u) && covers(g, f.mid, r.u) &&
-         ((fi < nowned && deep_inside(f.mid, other.cell)) ||
-          (gi < nowned && deep_inside(g.mid, face.cell)))))
-      fail_pair(face.atom, other.atom, overlap, overlap_used, r.force);
+        (!(depth <= limit) && !(f.n.dot(g.n) > DCM_OPPOSED) && ran_into(fi, gi, r.u, limit)))
+      fail_pair(face.atom, other.atom, depth, limit, r.force);
     const bool touching = !beyond && weight > 0.0;
     if (HISTORY) *face_touch[n] = touching;
     if (!touching) continue;
     r.scale(weight);
-    count.overlap = std::max(count.overlap, overlap);
+    if (overlap > count.overlap || overlap > count.share * limit)
+      note_overlap(fi, gi, r.u, overlap, limit);
     count.contacts++;
     count.area += r.area;
 
@@ -180,13 +169,19 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mi
     const double radius = atom->radius[j];
     const Vec3 apart = vec(x[j]) - f.mid;
     const double bound = f.reach + radius + 0.5 * range_used;
+
+    // a cell smaller than the sphere, half inside it
+
+    const double inner = radius - rmax_cell[faces[fi].cell] / set.rmax;
+    if (inner > 0.0 && apart.squaredNorm() < inner * inner)
+      fail_pair(faces[fi].atom, j, radius - apart.norm(), radius - inner, 0.0);
     const dcm::ContactMaterial &mat =
         table[face_class[fi] * nclass + AtomVecDCM::NREGION * (atom->type[j] - 1)];
     if (!(apart.squaredNorm() < bound * bound) ||
         !dcm::face_sphere<State, SLOPE>(f, vec(x[j]), radius, mat, set.points, r,
                                         HISTORY && *mixed_touch[n])) {
       if (HISTORY) *mixed_touch[n] = 0;
-      if (apart.squaredNorm() < 0.25 * radius * radius && f.n.dot(apart) <= 0.0)
+      if (f.n.dot(apart) <= 0.0 && swallowed(fi, j))
         fail_pair(faces[fi].atom, j, radius - f.n.dot(apart), radius, 0.0);
       continue;
     }

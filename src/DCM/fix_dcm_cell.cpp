@@ -308,6 +308,16 @@ void FixDCMCell::measure_cells()
     if (dcm->kind[i] == AtomVecDCM::CENTER) vec(x[i]) = vec(table[cell_of_atom[i]].x);
 }
 
+/* ----------------------------------------------------------------------
+   that of an equilateral triangle: within a few per cent of the mean edge of its mesh
+------------------------------------------------------------------------- */
+
+double FixDCMCell::mean_edge(int row) const
+{
+  const auto &cell = table[row];
+  return std::sqrt(4.0 / std::sqrt(3.0) * cell.area / std::max(1, cell.nfaces));
+}
+
 /* ---------------------------------------------------------------------- */
 
 double FixDCMCell::memory_usage()

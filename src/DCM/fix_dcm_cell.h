@@ -113,6 +113,9 @@ class FixDCMCell : public Fix {
   // mean edge length over all faces of a cell type's cells at the last rebuild
   double mean_edge() const { return edge_mean; }
 
+  // edge of a deformable cell's mean face, from its area in this step
+  double mean_edge(int row) const;
+
   // the one instance, nullptr if the deck has none; or an error naming the asking style
   static FixDCMCell *find(class LAMMPS *);
   static FixDCMCell *require(class LAMMPS *, const std::string &asking);

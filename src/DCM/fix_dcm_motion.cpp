@@ -390,21 +390,33 @@ void FixDCMMotion::check_solution()
 }
 
 /* ----------------------------------------------------------------------
+   what the displacement of a node or sphere is measured in: the mean edge of its own cell, its
+   radius
+------------------------------------------------------------------------- */
+
+double FixDCMMotion::scale_of_move(int i) const
+{
+  return dcm->kind[i] == AtomVecDCM::NODE ? cell->mean_edge(cell->cell_of(i)) : atom->radius[i];
+}
+
+/* ----------------------------------------------------------------------
    the largest displacement of a step of length dt, and where it is
 ------------------------------------------------------------------------- */
 
 void FixDCMMotion::find_move(double dt)
 {
-  const double edge = cell->mean_edge();
   struct {
     double ratio;
     int rank;
   } worst = {0.0, comm->me};
   slot_move = 0;
+  int row = -1;    // nodes of a cell follow each other
+  double scale = 0.0;
   for (int s = 1; s <= system.nowned; s++) {
     const double *u = &velocity[STRIDE * (size_t) s];
     const int i = unknowns.atom_of(s);
-    const double scale = (dcm->kind[i] == AtomVecDCM::NODE) ? edge : atom->radius[i];
+    if (dcm->kind[i] != AtomVecDCM::NODE || cell->cell_of(i) != row) scale = scale_of_move(i);
+    row = dcm->kind[i] == AtomVecDCM::NODE ? cell->cell_of(i) : -1;
     const double move = dt * std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     if (move <= worst.ratio * scale || scale == 0.0) continue;
     worst.ratio = move / scale;
@@ -424,11 +436,8 @@ void FixDCMMotion::check_move()
   if (largest_move <= maxmove) return;
 
   const auto who = describe(slot_move > 0 ? slot_move : -1);
-  double scale = cell->mean_edge();
-  if (who[2] == AtomVecDCM::SPHERE) {
-    scale = slot_move > 0 ? atom->radius[unknowns.atom_of(slot_move)] : 0.0;
-    MPI_Allreduce(MPI_IN_PLACE, &scale, 1, MPI_DOUBLE, MPI_MAX, world);
-  }
+  double scale = slot_move > 0 ? scale_of_move(unknowns.atom_of(slot_move)) : 0.0;
+  MPI_Allreduce(MPI_IN_PLACE, &scale, 1, MPI_DOUBLE, MPI_MAX, world);
   error->all(FLERR,
              "{}: {} {} of cell {} would move by {:.4g} at step {}, {:.3g} of its {} {:.4g}, "
              "the limit is maxmove {}; use a smaller timestep than {}, larger friction (gamma, "

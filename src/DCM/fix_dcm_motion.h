@@ -110,6 +110,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   void add_ecm();
   void solve(double);
   void check_solution();
+  double scale_of_move(int) const;
   void find_move(double);
   void check_move();
   void measure_cells(std::vector<double> &);

@@ -82,7 +82,8 @@ void PairDCMContact::compute(int eflag, int vflag)
   ev_init(eflag, vflag);
 
   count = Counters();
-  if (neighbor->ago == 0 || built != neighbor->lastcall) sort_pairs();
+  const bool anew = neighbor->ago == 0 || built != neighbor->lastcall;
+  if (anew) sort_pairs();
   count.pairs = (bigint) face_pairs.size() + mixed_pairs.size() + sphere_pairs.size();
   if (update->setupflag) check_start();
   checked_step = update->ntimestep;
@@ -115,6 +116,9 @@ void PairDCMContact::compute(int eflag, int vflag)
   pvector[0] = (double) count.pairs;
   pvector[1] = (double) count.contacts;
   pvector[2] = count.area;
+  if (eflag_global || (anew && fix_cell)) measure_overlap();
+  pvector[4] = comm->me == 0 ? overlap : 0.0;    // compute pair sums over processes
+  pvector[5] = comm->me == 0 ? filled : 0.0;
   count.seconds = platform::walltime() - start;
   pvector[3] = count.seconds;
 }
@@ -146,8 +150,12 @@ void PairDCMContact::make_faces()
 
   const auto &table = fix_cell->cells();
   rmax_cell.resize(table.size());
-  for (const int c : table.deformable())
-    rmax_cell[c] = set.rmax * dcm::ball_radius(table[c].volume);
+  bears.resize(table.size());
+  for (const int c : table.deformable()) {
+    const double radius = dcm::ball_radius(table[c].volume);
+    rmax_cell[c] = set.rmax * radius;
+    bears[c] = bearable(fix_cell->mean_edge(c), radius);
+  }
 
   double scale = 0.0;
   for (int f : used_faces) {

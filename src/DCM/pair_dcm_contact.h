@@ -57,7 +57,10 @@ class PairDCMContact : public Pair, public DCMRole {
     bigint pairs = 0;             // pairs in the neighbor list
     bigint contacts = 0;          // of them in contact
     double area = 0.0;            // total contact area
-    double overlap = 0.0;         // largest overlap of faces
+    double overlap = 0.0;         // largest overlap of faces right in front of each other
+    double share = 0.0;           // largest part of what the smaller cell bears
+    double deepest = 0.0;         // that overlap
+    tagint deep[2] = {0, 0};      // and between which cells
     double seconds = 0.0;         // wall time of compute()
     double list_seconds = 0.0;    // of it, sorting a new neighbor list and checks
   };
@@ -133,6 +136,11 @@ class PairDCMContact : public Pair, public DCMRole {
   // cells grow
   static constexpr double FACE_GROWTH = 1.5, SPHERE_GROWTH = 1.3;
 
+  // overlap that a cell bears, in mean edges of its mesh; parts of it from which on there is a
+  // warning; volumes of cells over that of the box, likewise
+
+  static constexpr double RANGE = 0.75, DEEP = 0.3, OVERFILLED = 1.01;
+
   using Contacts = void (PairDCMContact::*)();
   struct Law {
     const char *name;
@@ -164,8 +172,9 @@ class PairDCMContact : public Pair, public DCMRole {
   double sphere_growth = 0.0;      // growth of spheres the list is laid out for
   double guessed = 0.0;            // 1: h0, range derived before there was any mesh
   std::vector<double> laid_out;    // per type: TypeInfo::promise, 0: not yet
-  bool warned_h0 = false;
-  bool own_collections = false;                      // of neighbor style multi
+  bool own_collections = false;    // of neighbor style multi
+  bool warned_h0 = false, warned_filled = false, warned_overlap = false;
+  double filled = 0.0, overlap = 0.0;                // measure_overlap()
   double stiffest = 0.0;                             // law foundation: largest stiffness per area
   std::vector<std::pair<int, int>> excluded_here;    // types kept apart by this style
 
@@ -193,6 +202,7 @@ class PairDCMContact : public Pair, public DCMRole {
   bool want_stress, want_partners, want_blocks;    // in this step
   bool want_virial = false, want_stiffness = false;
   double mean_edge, cell_radius;    // at the start of the run; largest deformable cell
+  double largest_edge = 0.0;        // largest mean edge of a cell
   bigint built, checked_step, checked_atoms;
 
   // pairs of the neighbor list, sorted by kind at each rebuild
@@ -207,6 +217,7 @@ class PairDCMContact : public Pair, public DCMRole {
   std::vector<SpherePair> mixed_pairs, sphere_pairs;
   std::vector<int *> face_touch, mixed_touch, sphere_touch;    // in contact before, from history
   std::vector<int> used_faces;                                 // faces that stand in some pair
+  std::vector<std::vector<int>> faces_of_cell;                 // by row, for deep_inside()
 
   // per face of FixDCMCell, this step
 
@@ -218,7 +229,7 @@ class PairDCMContact : public Pair, public DCMRole {
   double blur = 0.0;              // round-off of an outline, a length
   std::vector<int> candidates;    // indices into face_pairs
   std::vector<int> face_class;
-  std::vector<double> rmax_cell;
+  std::vector<double> rmax_cell, bears;    // bears: largest overlap, per row of the table
 
   std::vector<double> area, stress, moment, modulus, near_sum, near_count;    // per atom
   std::vector<dcm::ContactBlock> contacts;
@@ -248,6 +259,8 @@ class PairDCMContact : public Pair, public DCMRole {
   void setup_history();
   void choose_collections();
 
+  double bearable(double, double) const;
+  void measure_overlap();
   void find_wanted();
   void sort_pairs();
   void add_pair(int, int, int *);
@@ -273,7 +286,10 @@ class PairDCMContact : public Pair, public DCMRole {
   }
   bool has_fix_cell() const;
   static double round_up(double);
-  bool deep_inside(const dcm::Vec3 &, int) const;
+  bool deep_inside(const dcm::Vec3 &, int, double);
+  bool ran_into(int, int, const dcm::Vec3 &, double);
+  void note_overlap(int, int, const dcm::Vec3 &, double, double);
+  bool swallowed(int, int);
   [[noreturn]] void fail_pair(int, int, double, double, double);
 };
 

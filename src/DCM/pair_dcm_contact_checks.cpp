@@ -24,10 +24,12 @@
 #include "law/volume.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
+#include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 using namespace LAMMPS_NS;
 using dcm::vec;
@@ -39,7 +41,8 @@ namespace {
 struct Body {
   tagint molecule;
   double x[3], radius;
-  int cell;    // row of the table of cells, -1: center-based
+  int cell;        // row of the table of cells, -1: center-based
+  double reach;    // of its surface from the center
 };
 
 // is a point inside a cell?
@@ -89,6 +92,27 @@ static void solid_angles(LAMMPS *lmp, const FixDCMCell *fix, const std::vector<B
 }
 
 /* ----------------------------------------------------------------------
+   largest distance of a cell's nodes from its center, per row of the table
+------------------------------------------------------------------------- */
+
+static std::vector<double> reaches(LAMMPS *lmp, const FixDCMCell *fix)
+{
+  if (!fix) return {};
+  std::vector<double> reach(fix->cells().size(), 0.0);
+  for (int f = 0; f < fix->nowned(); f++) {
+    const auto &face = fix->faces()[f];
+    for (const int v : face.v) {
+      Vec3 d = vec(lmp->atom->x[v]) - vec(fix->cells()[face.cell].x);
+      dcm_minimum_image(lmp->domain, d[0], d[1], d[2]);
+      reach[face.cell] = std::max(reach[face.cell], d.norm());
+    }
+  }
+  if (!reach.empty())
+    MPI_Allreduce(MPI_IN_PLACE, reach.data(), (int) reach.size(), MPI_DOUBLE, MPI_MAX, lmp->world);
+  return reach;
+}
+
+/* ----------------------------------------------------------------------
    law maugis puts adhesion into a ring at the rim of the contact: where that of
    two undeformed cells is wider than the cells no face carries it, and strong
    adhesion would repel. Zero-load contact radius of JKR: a^3 = 9 pi W R^2 / (2 E).
@@ -122,7 +146,8 @@ void PairDCMContact::check_law(double radius)
    cells that are given inside each other: faces that start on the wrong side
    see no contact at all, so no force would ever tell
    first the spheres of equal volume, then, where these overlap by half a radius, how long the line
-   through both centers runs inside both surfaces
+   through both centers runs inside both surfaces, around the middle of what the spheres share; for
+   cells that are not round, also whether the center of the smaller one is inside both
 ------------------------------------------------------------------------- */
 
 void PairDCMContact::check_start()
@@ -134,13 +159,20 @@ void PairDCMContact::check_start()
   std::vector<Body> mine, bodies;
   for (int i = 0; i < atom->nlocal; i++)
     if (dcm->kind[i] == AtomVecDCM::SPHERE)
-      mine.push_back(
-          {atom->molecule[i], {atom->x[i][0], atom->x[i][1], atom->x[i][2]}, atom->radius[i], -1});
+      mine.push_back({atom->molecule[i],
+                      {atom->x[i][0], atom->x[i][1], atom->x[i][2]},
+                      atom->radius[i],
+                      -1,
+                      atom->radius[i]});
   bodies = dcm_allgather(mine, world);
+  const auto reach = reaches(lmp, fix_cell);
   for (const int c : fix_cell ? fix_cell->cells().all_deformable() : std::vector<int>()) {
     const auto &cell = fix_cell->cells()[c];
-    bodies.push_back(
-        {cell.molecule, {cell.x[0], cell.x[1], cell.x[2]}, dcm::ball_radius(cell.volume), c});
+    bodies.push_back({cell.molecule,
+                      {cell.x[0], cell.x[1], cell.x[2]},
+                      dcm::ball_radius(cell.volume),
+                      c,
+                      reach[c]});
   }
   std::sort(bodies.begin(), bodies.end(), [](const Body &a, const Body &b) {
     return a.molecule < b.molecule;
@@ -166,7 +198,7 @@ void PairDCMContact::check_start()
   double largest = 0.0;
   for (const auto &body : bodies) {
     places.insert(places.end(), body.x, body.x + 3);
-    largest = std::max(largest, body.radius);
+    largest = std::max(largest, body.reach);
   }
   const DCMCellBins bins(domain, places, std::max(2.0 * largest, 1.0e-6 * domain->prd[0]));
   for (int a = comm->me; a < nbodies; a += comm->nprocs)
@@ -176,7 +208,8 @@ void PairDCMContact::check_start()
       const double Ra = bodies[a].radius, Rb = bodies[b].radius;
       const double limit = Ra + Rb - 0.5 * std::min(Ra, Rb);
       dcm_minimum_image(domain, d[0], d[1], d[2]);
-      if (d.squaredNorm() < limit * limit) near_mine.insert(near_mine.end(), {a, b});
+      const double most = std::max({limit, bodies[a].reach, bodies[b].reach});
+      if (d.squaredNorm() < most * most) near_mine.insert(near_mine.end(), {a, b});
     }
   near_all = dcm_allgather(near_mine, world);
 
@@ -184,7 +217,12 @@ void PairDCMContact::check_start()
 
   constexpr int NSTEP = 36;    // samples on the line, a tenth of the smaller radius apart
   std::vector<Query> queries;
-  std::vector<std::pair<int, int>> doubtful;
+  struct Pair {
+    int a, b;
+    size_t query;    // the first of its own
+    bool close;      // or may only be if they are not round
+  };
+  std::vector<Pair> doubtful;
   int nspheres = 0;
   for (size_t m = 0; m < near_all.size(); m += 2) {
     const int a = near_all[m], b = near_all[m + 1];
@@ -192,12 +230,17 @@ void PairDCMContact::check_start()
       if (find_sisters(bodies[a].molecule, bodies[b].molecule) < 0) nspheres++;
       continue;
     }
-    doubtful.emplace_back(a, b);
     Vec3 d = vec(bodies[b].x) - vec(bodies[a].x);
     dcm_minimum_image(domain, d[0], d[1], d[2]);
-    const double small = std::min(bodies[a].radius, bodies[b].radius);
+    const double Ra = bodies[a].radius, Rb = bodies[b].radius, small = std::min(Ra, Rb);
+    const bool close = d.norm() < Ra + Rb - 0.5 * small;
+    doubtful.push_back({a, b, queries.size(), close});
+    const Vec3 center = vec(bodies[a].x) + (Rb < Ra ? d : Vec3(Vec3::Zero()));
+    for (int body : {a, b}) queries.push_back({body, center, 0.0});
+    if (!close) continue;
     const Vec3 u = d.norm() > 1.0e-6 * small ? Vec3(d.normalized()) : Vec3(Vec3::UnitX());
-    const Vec3 mid = vec(bodies[a].x) + 0.5 * d;
+    const double from = std::max(-Ra, d.norm() - Rb), to = std::min(Ra, d.norm() + Rb);
+    const Vec3 mid = vec(bodies[a].x) + 0.5 * (from + to) * u;
     for (int k = 0; k <= NSTEP; k++)
       for (int body : {a, b})
         queries.push_back({body, mid + 0.1 * (k - 0.5 * NSTEP) * small * u, 0.0});
@@ -210,13 +253,20 @@ void PairDCMContact::check_start()
   if (doubtful.empty()) return;
   solid_angles(lmp, fix_cell, bodies, queries);
 
-  for (size_t m = 0; m < doubtful.size(); m++) {
+  for (const auto &pair : doubtful) {
+    const auto inside_both = [&queries](size_t n) {
+      return queries[n].angle > 2.0 * dcm::PI && queries[n + 1].angle > 2.0 * dcm::PI;
+    };
+    const Body &a = bodies[pair.a], &b = bodies[pair.b];
     int both = 0;
-    const Query *q = &queries[m * 2 * (NSTEP + 1)];
-    for (int k = 0; k <= NSTEP; k++)
-      if (q[2 * k].angle > 2.0 * dcm::PI && q[2 * k + 1].angle > 2.0 * dcm::PI) both++;
+    for (int k = 0; pair.close && k <= NSTEP; k++) both += inside_both(pair.query + 2 + 2 * k);
+    if (both < 5 && inside_both(pair.query))
+      error->all(
+          FLERR,
+          "Pair style dcm/contact: the center of cell {} lies inside cell {} at the start of "
+          "the run; move them apart in the data file or the create_cells command",
+          (b.radius < a.radius ? b : a).molecule, (b.radius < a.radius ? a : b).molecule);
     if (both < 5) continue;
-    const Body &a = bodies[doubtful[m].first], &b = bodies[doubtful[m].second];
     error->all(FLERR,
                "Pair style dcm/contact: cells {} and {} overlap by about {:.3} of the smaller "
                "radius ({:.4}) at the start of the run; move them apart in the data file or the "
@@ -226,27 +276,184 @@ void PairDCMContact::check_start()
 }
 
 /* ----------------------------------------------------------------------
-   does x lie inside a cell, farther from its surface than an overlap may be? Asked of
-   the few faces that seem to: those of sharp corners, as newborn cells have them, can lie
-   far behind each other along the axis of a contact and yet next to the surface.
+   does x lie inside a cell, more than `least` from its surface? Asked of the few faces that seem
+   to: those of sharp corners, as newborn cells have them, can lie far behind each other along the
+   axis of a contact and yet next to the surface.
 ------------------------------------------------------------------------- */
 
-bool PairDCMContact::deep_inside(const Vec3 &x, int cell) const
+// Winding number, of what is known here of the surface: 1 inside, 0 outside of one that is known to
+// its end; just behind a wall whose other side is not known 0.5, just in front of it -0.5. The
+// nearest face would not do: where a corner has turned inside out, it shows the wrong side.
+
+static constexpr double INSIDE = 0.25;
+
+bool PairDCMContact::deep_inside(const Vec3 &x, int cell, double least)
 {
+  const auto &faces = fix_cell->faces();
+  if (faces_of_cell.empty()) {
+    faces_of_cell.resize(fix_cell->cells().size());
+    for (size_t f = 0; f < faces.size(); f++) {
+      const int *v = faces[f].v;
+      if (faces[f].cell >= 0 && v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && !faces[f].torn)
+        faces_of_cell[faces[f].cell].push_back((int) f);
+    }
+  }
   double *const *const at = atom->x;
   dcm::SurfaceDistance nearest;
-  for (const auto &face : fix_cell->faces()) {
-    if (face.cell != cell || face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0 || face.torn) continue;
-    nearest.add(x, vec(at[face.v[0]]), vec(at[face.v[1]]), vec(at[face.v[2]]));
+  double winding = 0.0;
+  for (const int f : faces_of_cell[cell]) {
+    const Vec3 a = vec(at[faces[f].v[0]]), b = vec(at[faces[f].v[1]]), c = vec(at[faces[f].v[2]]);
+    nearest.add(x, a, b, c);
+    winding += dcm::face_winding(x, a, b, c);
   }
-  return nearest.inside() && nearest.distance() > overlap_used;
+  return nearest.distance() > least && winding > INSIDE;
+}
+
+/* ----------------------------------------------------------------------
+   does a face lie on the line through a point along u?
+------------------------------------------------------------------------- */
+
+static bool covers(const dcm::FaceGeometry &face, const Vec3 &point, const Vec3 &u)
+{
+  const double sign = face.n.dot(u) > 0.0 ? 1.0 : -1.0;
+  for (int k = 0; k < 3; k++) {
+    const Vec3 edge = face.x[(k + 1) % 3] - face.x[k];
+    if (sign * edge.cross(point - face.x[k]).dot(u) < 0.0) return false;
+  }
+  return true;
+}
+
+/* ----------------------------------------------------------------------
+   two faces that seem to be behind each other: does the middle of one of them lie in the other
+   cell, deeper than `limit`? It is the small cell's that tells, in front of any part of the other's
+   face. Around a ghost the other cell's surface is known as far as the ghosts reach, which is far
+   enough next to an owned face.
+------------------------------------------------------------------------- */
+
+bool PairDCMContact::ran_into(int fi, int gi, const Vec3 &u, double limit)
+{
+  const auto &faces = fix_cell->faces();
+  const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
+  const double known = own_cutoff - 2.0 * face_reach - neighbor->skin -
+                       (g.mid - f.mid).norm();    // to their corners
+  for (const auto &[point, here, front, wall] :
+       {std::tuple(&f.mid, fi, &g, gi), std::tuple(&g.mid, gi, &f, fi)}) {
+    if (here >= fix_cell->nowned() && known < limit) continue;
+    if (covers(*front, *point, u) && deep_inside(*point, faces[wall].cell, limit)) return true;
+  }
+  return false;
+}
+
+/* ----------------------------------------------------------------------
+   the largest overlaps, of faces of which one has its middle in front of the other. Where there
+   would be a warning, only what lies as deep inside the other cell: faces beside a sharp corner
+look as if they did.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::note_overlap(int fi, int gi, const Vec3 &u, double overlap, double limit)
+{
+  const auto &faces = fix_cell->faces();
+  const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
+  if (!covers(f, g.mid, u) && !covers(g, f.mid, u)) return;
+  if (overlap > DEEP * limit && !ran_into(fi, gi, u, 0.5 * DEEP * limit)) return;
+  count.overlap = std::max(count.overlap, overlap);
+  if (!(overlap > count.share * limit)) return;
+  count.share = overlap / limit;
+  count.deepest = overlap;
+  count.deep[0] = atom->molecule[faces[fi].atom];
+  count.deep[1] = atom->molecule[faces[gi].atom];
+}
+
+/* ----------------------------------------------------------------------
+   a sphere behind a face: is its center in the cell? Only just behind the face: farther there may
+   be the other side of a thin cell.
+------------------------------------------------------------------------- */
+
+bool PairDCMContact::swallowed(int fi, int j)
+{
+  const dcm::FaceGeometry &f = geometry[fi];
+  const Vec3 center = vec(atom->x[j]);
+  const int cell = fix_cell->faces()[fi].cell;
+  const double radius = atom->radius[j], depth = f.n.dot(f.mid - center);
+  if ((center - f.mid).squaredNorm() < 0.25 * radius * radius) return true;
+  return depth < std::max(radius, 0.5 * fix_cell->mean_edge(cell)) && covers(f, center, f.n) &&
+         deep_inside(center, cell, 0.0);
+}
+
+/* ----------------------------------------------------------------------
+   the largest overlap that a cell bears, from the mean edge and the radius of its own: the pair's
+is that of the smaller cell. By the mesh or as the deck says, but no more than half the cell.
+------------------------------------------------------------------------- */
+
+double PairDCMContact::bearable(double edge, double radius) const
+{
+  const bool given = set.range > 0.0 || set.maxoverlap > 0.0;
+  const double mesh = given ? overlap_used : std::max(RANGE * edge, 2.0 * h0_used);
+  return std::min({overlap_used, mesh, 0.5 * radius});
+}
+
+/* ----------------------------------------------------------------------
+   how much of the box the cells take, and how deep they are in each other: where output is due,
+   and when the list is new
+------------------------------------------------------------------------- */
+
+void PairDCMContact::measure_overlap()
+{
+  struct {
+    double share;
+    int rank;
+  } worst = {count.share, comm->me};
+  overlap = count.overlap;
+  filled = 0.0;
+  if (fix_cell) {
+    MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
+    MPI_Allreduce(MPI_IN_PLACE, &overlap, 1, MPI_DOUBLE, MPI_MAX, world);
+    for (const int c : fix_cell->cells().all_deformable()) filled += fix_cell->cells()[c].volume;
+  }
+  if (expect_spheres && domain->xperiodic && domain->yperiodic && domain->zperiodic) {
+    double volume = 0.0;    // elsewhere they stick out of the box
+    for (int i = 0; i < atom->nlocal; i++)
+      if (dcm->kind[i] == AtomVecDCM::SPHERE)
+        volume += 4.0 / 3.0 * dcm::PI * std::pow(atom->radius[i], 3);
+    MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, world);
+    filled += volume;
+  }
+  filled /= domain->xprd * domain->yprd * domain->zprd;
+  if (!fix_cell) return;
+
+  const char *const remedy =
+      set.law == FOUNDATION
+          ? "a thinner layer (pair_coeff keyword layer) or a larger E_contact keeps them apart"
+          : "'pair_style dcm/contact law foundation' keeps them apart";
+  if (filled > OVERFILLED && !warned_filled) {
+    warned_filled = true;
+    if (comm->me == 0)
+      error->warning(FLERR,
+                     "Pair style dcm/contact: the volumes of the cells add up to {:.4} of the box "
+                     "at step {}, they share space; {}",
+                     filled, update->ntimestep, remedy);
+  }
+  if (worst.share > DEEP && !warned_overlap) {
+    warned_overlap = true;
+    double depth = count.deepest;
+    tagint cells[2] = {count.deep[0], count.deep[1]};
+    MPI_Bcast(&depth, 1, MPI_DOUBLE, worst.rank, world);
+    MPI_Bcast(cells, 2, MPI_LMP_TAGINT, worst.rank, world);
+    if (comm->me == 0)
+      error->warning(
+          FLERR,
+          "Pair style dcm/contact: cells {} and {} overlap by {:.4} at step {}, {:.2} of "
+          "what ends the run; {}",
+          cells[0], cells[1], depth, update->ntimestep, worst.share, remedy);
+  }
 }
 
 /* ---------------------------------------------------------------------- */
 
-void PairDCMContact::fail_pair(int i, int j, double overlap, double limit, double force)
+void PairDCMContact::fail_pair(int i, int j, double depth, double limit, double force)
 {
-  if (!std::isfinite(force) || !std::isfinite(overlap))
+  if (atom->molecule[i] > atom->molecule[j]) std::swap(i, j);
+  if (!std::isfinite(force) || !std::isfinite(depth))
     error->one(FLERR,
                "Pair style dcm/contact: the contact of cells {} and {} (atoms {} and {}) has force "
                "{} at step {}; coincident cells, or a timestep too large",
@@ -255,7 +462,8 @@ void PairDCMContact::fail_pair(int i, int j, double overlap, double limit, doubl
   error->one(FLERR,
              "Pair style dcm/contact: cells {} and {} run into each other: atoms {} and {} overlap "
              "by {:.4} at step {}, more than {:.4}; reduce the timestep or fix dcm/motion maxmove, "
-             "give the cells a stiffer or tenser cortex, or raise keyword range",
-             atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
+             "give the cells a stiffer or tenser cortex or a stiffer contact (law foundation), or "
+             "raise keyword range, which counts up to half the radius of the smaller cell",
+             atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], depth,
              update->ntimestep, limit);
 }

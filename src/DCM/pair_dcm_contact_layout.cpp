@@ -53,7 +53,7 @@ static constexpr double SAME_REACH = 1.35, EMPTY_BIN = 2.0;
 
 void PairDCMContact::measure_mesh()
 {
-  mean_edge = 0.0;
+  mean_edge = largest_edge = 0.0;
   if (!have_faces) return;
   const int nlocal = atom->nlocal;
 
@@ -79,6 +79,11 @@ void PairDCMContact::measure_mesh()
   if (!answer.empty())
     MPI_Allreduce(MPI_IN_PLACE, answer.data(), (int) answer.size(), MPI_DOUBLE, MPI_SUM, world);
 
+  struct Edges {
+    tagint molecule;
+    double sum, n;
+  };
+  std::vector<Edges> cells;
   std::vector<double> largest(atom->ntypes + 1, 0.0);
   double sums[2] = {0.0, 0.0};
   const double *next = answer.data() + 3 * (size_t) offsets[comm->me];
@@ -98,16 +103,43 @@ void PairDCMContact::measure_mesh()
       dcm_minimum_image(domain, d[0], d[1], d[2]);
       v[k] = v[0] + d;
     }
+    if (cells.empty() || cells.back().molecule != atom->molecule[i])
+      cells.push_back({atom->molecule[i], 0.0, 0.0});
     const Vec3 mid = (v[0] + v[1] + v[2]) / 3.0;
     for (int k = 0; k < 3; k++) {
       largest[atom->type[i]] = std::max(largest[atom->type[i]], (v[k] - mid).norm());
-      sums[0] += (v[(k + 1) % 3] - v[k]).norm();
+      const double edge = (v[(k + 1) % 3] - v[k]).norm();
+      sums[0] += edge;
       sums[1] += 1.0;
+      cells.back().sum += edge;
+      cells.back().n += 1.0;
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, world);
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), atom->ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
   mean_edge = sums[0] / sums[1];
+
+  // mean edge of the coarsest cell: first one entry a cell of this process, then of all
+
+  auto merge = [](std::vector<Edges> &list) {
+    std::stable_sort(list.begin(), list.end(), [](const Edges &a, const Edges &b) {
+      return a.molecule < b.molecule;
+    });
+    size_t n = 0;
+    for (const auto &item : list) {
+      if (n && list[n - 1].molecule == item.molecule) {
+        list[n - 1].sum += item.sum;
+        list[n - 1].n += item.n;
+      } else {
+        list[n++] = item;
+      }
+    }
+    list.resize(n);
+  };
+  merge(cells);
+  cells = dcm_allgather(cells, world);
+  merge(cells);
+  for (const auto &cell : cells) largest_edge = std::max(largest_edge, cell.sum / cell.n);
 
   for (int t = 1; t <= atom->ntypes; t++)
     if (types[t].kind == AtomVecDCM::FACE) types[t].radius = largest[t];

@@ -37,6 +37,7 @@ void PairDCMContact::sort_pairs()
   if (fix_cell && !fix_cell->cells().all_deformable().empty())
     guessed = 0.0;    // this run made them: keep the guess
   face_pairs.clear();
+  faces_of_cell.clear();
   mixed_pairs.clear();
   sphere_pairs.clear();
   face_touch.clear();

@@ -39,9 +39,13 @@ static const std::vector<std::string> PARAMETERS = {
     "friction_tangential", "a1",         "a2",    "a3", "a4"};
 static constexpr int NREGION = AtomVecDCM::NREGION;
 
-// in mean edge lengths: `h0 auto`, the limit of a resolved h0, default range (see the doc page)
+// in mean edge lengths: `h0 auto`, the limit of a resolved h0 (see the doc page)
 
-static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2, RANGE = 0.75;
+static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2;
+
+// range follows the cell of the longest edges where these are this many times the mean of all
+
+static constexpr double UNLIKE = 1.5;
 
 // thickness of the layer of law foundation, um: of the order of the cell cortex [ours]
 
@@ -69,7 +73,7 @@ PairDCMContact::PairDCMContact(LAMMPS *lmp) :
   centroidstressflag = CENTROID_NOTAVAIL;
   comm_forward = 1;
   comm_reverse = 3;
-  nextra = 4;
+  nextra = 6;
   pvector = new double[nextra]();
 
   // placeholder for the contact history, so that it keeps this place in the list of fixes
@@ -180,6 +184,7 @@ void PairDCMContact::init_style()
   traits_of_deck = traits_of(lmp);
   set_sisters({});
   built = -1;
+  warned_filled = warned_overlap = false;
 
   parameters->resolve();
   scan_types();
@@ -307,7 +312,8 @@ void PairDCMContact::choose_lengths()
   if (range_used == 0.0) {
     range_used = set.range;
     if (range_used == 0.0) {
-      range_used = round_up(std::max(RANGE * mean_edge, 2.0 * h0_used));
+      const double edge = largest_edge > UNLIKE * mean_edge ? largest_edge : mean_edge;
+      range_used = round_up(std::max(RANGE * edge, 2.0 * h0_used));
       chosen += fmt::format(", range {:.6g}", range_used);
     }
   }
@@ -316,8 +322,11 @@ void PairDCMContact::choose_lengths()
     error->all(FLERR, "{}: range is {}, must not be below h0 ({}) and maxoverlap ({})", STYLE,
                range_used, h0_used, overlap_used);
   if (!chosen.empty() && comm->me == 0)
-    utils::logmesg(lmp, "{}: {} {:.6g}{}\n", STYLE,
+    utils::logmesg(lmp, "{}: {} {:.6g}{}{}\n", STYLE,
                    have_faces ? "mean edge" : "no faces yet, mean edge taken as", mean_edge,
+                   largest_edge > UNLIKE * mean_edge
+                       ? fmt::format(", of the coarsest cell {:.6g}", largest_edge)
+                       : "",
                    chosen);
   if (!chosen.empty() && !have_faces) guessed = 1.0;
   if (!warned_h0 && have_faces && h0_used < H0_RESOLVED * mean_edge) {
@@ -429,6 +438,8 @@ void *PairDCMContact::extract(const char *name, int &dim)
   if (strcmp(name, "h0") == 0) return &h0_used;
   if (strcmp(name, "range") == 0) return &range_used;
   if (strcmp(name, "stiffness") == 0) return &stiffest;    // per area, 0: not law foundation
+  if (strcmp(name, "overlap") == 0) return &overlap;
+  if (strcmp(name, "filled") == 0) return &filled;
   return nullptr;
 }
 

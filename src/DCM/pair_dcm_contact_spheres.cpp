@@ -156,6 +156,8 @@ template <bool SISTERS, bool SLOPE> void PairDCMContact::sphere_contacts(int efl
     double slope = SLOPE ? jkr.slope_of_radius(a) : 0.0;
     if (!(d > 0.0) || !std::isfinite(force)) fail_pair(i, j, delta, delta, force);
     const int s = SISTERS ? find_sisters(atom->molecule[i], atom->molecule[j]) : -1;
+    const double whole = 2.0 * std::min(radius[i], radius[j]);    // the smaller one
+    if (delta >= whole && s < 0) fail_pair(i, j, delta, whole, force);
     if (SISTERS && s >= 0) {
       const dcm::HeldJKR held = {jkr, sister_list[s].scale, sister_list[s].most};
       sister_force[s] = std::max(sister_force[s], force);

@@ -80,7 +80,7 @@ OVERLAP = {
     "dcm dcm": (("dcm", 0.0, 6.0), ("dcm", 6.0, 6.0), "cells 1 and 2 overlap by about 1"),
     "same place": (("dcm", 0.0, 6.0), ("dcm", 0.0, 6.0), "cells 1 and 2 overlap"),
     "inside": (("dcm", 0.0, 9.0), ("dcm", 0.0, 3.0), "cells 1 and 2 overlap"),
-    "dcm cbm": (("dcm", 0.0, 6.0), ("cbm", 6.0, 6.0), "cells 1 and 2 overlap by about 0.9"),
+    "dcm cbm": (("dcm", 0.0, 6.0), ("cbm", 6.0, 6.0), "cells 1 and 2 overlap by about 1"),
     "cbm inside": (("dcm", 0.0, 9.0), ("cbm", 1.0, 3.0), "cells 1 and 2 overlap"),
 }
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from support.bad_decks import whole
-from support.meshes import off
+from support.meshes import cube, off
 
 E, NU, W = 5.0, 0.4, 0.1  # of support.parameters
 
@@ -14,32 +14,6 @@ E, NU, W = 5.0, 0.4, 0.1  # of support.parameters
 def stiffness(layer, other=None):
     other = layer if other is None else other
     return 1 / ((layer + other) * (1 - NU**2) / E)
-
-
-def cube(n):
-    """Cube of half side 1, n x n squares of two triangles on each side."""
-    nodes, faces, index = [], [], {}
-
-    def node(point):
-        key = tuple(np.round(point, 9))
-        if key not in index:
-            index[key] = len(nodes)
-            nodes.append(point)
-        return index[key]
-
-    grid = np.linspace(-1, 1, n + 1)
-    for axis in range(3):
-        for side in (-1, 1):
-            b, c = ((axis + 1) % 3, (axis + 2) % 3)[::side]
-            for s, s1 in zip(grid, grid[1:], strict=False):
-                for t, t1 in zip(grid, grid[1:], strict=False):
-                    corner = []
-                    for u, v in ((s, t), (s1, t), (s1, t1), (s, t1)):
-                        point = np.zeros(3)
-                        point[axis], point[b], point[c] = side, u, v
-                        corner.append(node(point))
-                    faces += [corner[:3], [corner[0], corner[2], corner[3]]]
-    return np.array(nodes), np.array(faces)
 
 
 BARE = "bond_style zero nocoeff\nbond_coeff *\ndihedral_style zero nocoeff\ndihedral_coeff *\n"
@@ -76,6 +50,38 @@ def test_flats_repel_with_k_times_overlap(lmp, scenes, layer, overlap, rmax):
     slack = 1.5**2 / (6.0 * rmax) / overlap
     assert frame["c_s[2]"][inner] == pytest.approx(stiffness(layer) * overlap, rel=slack)
     assert f"to {stiffness(layer):.6g}\n" in result.log  # the stiffest, of two deformable cells
+
+
+@pytest.mark.parametrize("law", ["dmt", "foundation"])
+@pytest.mark.parametrize("overlap", [0.02, 0.0, -0.05])
+def test_meshes_that_coincide_lose_no_contact(lmp, scenes, law, overlap):
+    """Two cubes side against side with equal triangles: the same area in contact and the same force
+    as with one of them displaced by a millionth of its size."""
+    nodes, faces = cube(6)
+    side = 6.0
+    mesh = ("cube.off", len(nodes), len(faces))
+    results = []
+    for shift in (0.0, 1e-5):
+        scene = scenes.Scene(25.0)
+        for sign in (-1, 1):
+            x = sign * (side - overlap / 2)
+            place = (x, (sign > 0) * shift, (sign > 0) * 0.7 * shift)
+            scene.dcm(*place, side * math.sqrt(3), mesh=mesh, options="scale nodes")
+        result = lmp(
+            scene.head()
+            + BARE
+            + scene.contact(f"law {law} h0 0.2 range 1.0", f"W {W}")
+            + "fix cell all dcm/cell\ncompute p all pair dcm/contact\ngroup one molecule 1\n"
+            + "compute f one reduce sum fx\n"
+            + scenes.thermo(["area=c_p[3]", "force=c_f"])
+            + "run 0\n",
+            files={"cube.off": off(nodes, faces)},
+        )
+        results.append(result.thermo[0])
+    exact, near = results
+    assert exact["v_area"] == pytest.approx(near["v_area"], rel=1e-4)
+    assert exact["v_area"] > 0.95 * (2 * side) ** 2
+    assert exact["v_force"] == pytest.approx(near["v_force"], rel=1e-4, abs=1e-4)
 
 
 def test_layers_of_two_types(lmp, scenes):

@@ -36,3 +36,29 @@ def off(nodes, faces):
     lines += [" ".join(f"{x:.17g}" for x in node) for node in nodes]
     lines += ["3 " + " ".join(map(str, face)) for face in faces]
     return "\n".join(lines) + "\n"
+
+
+def cube(n):
+    """Cube of half side 1, n x n squares of two triangles on each side."""
+    nodes, faces, index = [], [], {}
+
+    def node(point):
+        key = tuple(np.round(point, 9))
+        if key not in index:
+            index[key] = len(nodes)
+            nodes.append(point)
+        return index[key]
+
+    grid = np.linspace(-1, 1, n + 1)
+    for axis in range(3):
+        for side in (-1, 1):
+            b, c = ((axis + 1) % 3, (axis + 2) % 3)[::side]
+            for s, s1 in zip(grid, grid[1:], strict=False):
+                for t, t1 in zip(grid, grid[1:], strict=False):
+                    corner = []
+                    for u, v in ((s, t), (s1, t), (s1, t1), (s, t1)):
+                        point = np.zeros(3)
+                        point[axis], point[b], point[c] = side, u, v
+                        corner.append(node(point))
+                    faces += [corner[:3], [corner[0], corner[2], corner[3]]]
+    return np.array(nodes), np.array(faces)

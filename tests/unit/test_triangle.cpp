@@ -3,6 +3,7 @@
 #include "law/envelope.h"
 #include "law/mesh.h"
 #include "law/random.h"
+#include "law/solid_angle.h"
 #include "law/triangle.h"
 
 #include <gtest/gtest.h>
@@ -77,4 +78,31 @@ TEST(Triangle, EdgesOfACubeTellTheSide)
     surface.add(Vec3(0.5, 0.5, 0.5), mesh.nodes[f[0]], mesh.nodes[f[1]], mesh.nodes[f[2]]);
   EXPECT_TRUE(surface.inside());
   EXPECT_NEAR(surface.distance(), 0.5, 1e-15);
+}
+
+TEST(Triangle, CornerOfMixedFacesTellsTheSide)
+{
+  // a sharp apex over a dented ring: from beside it some faces are seen from the front, some from
+  // the back; against the winding number of the whole surface
+  dcm::Mesh mesh = dcm::icosphere(2);
+  for (size_t k = 0; k < mesh.nodes.size(); k++)
+    mesh.nodes[k] *= k % 3 ? 1.0 : 1.0 + 2.0 * (k % 2) - 0.6 * (k % 5 == 0);
+  dcm::Random random(8, 1, 1);
+  int inside = 0, corners = 0;
+  for (int n = 0; n < 600; n++) {
+    const Vec3 x = 1.2 * random.gaussian_vector();
+    dcm::SurfaceDistance surface;
+    double winding = 0.0, corner = 1e9;
+    for (const auto &f : mesh.faces) {
+      const Vec3 a = mesh.nodes[f[0]], b = mesh.nodes[f[1]], c = mesh.nodes[f[2]];
+      surface.add(x, a, b, c);
+      winding += dcm::face_winding(x, a, b, c);
+      corner = std::min(corner, (x - a).norm());
+    }
+    EXPECT_EQ(surface.inside(), winding > 0.5);
+    inside += winding > 0.5;
+    corners += corner < surface.distance() * (1.0 + 1e-9);
+  }
+  EXPECT_GT(inside, 50);
+  EXPECT_GT(corners, 25);
 }

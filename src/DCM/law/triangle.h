@@ -41,19 +41,20 @@ inline Vec3 nearest_on_triangle(const Vec3 &x, const Vec3 &a, const Vec3 &b, con
 }
 
 /// Distance of one point from a closed surface, whose faces (counter-clockwise from outside) are
-/// added one by one.
+/// added one by one. Where the nearest point is on an edge or corner, several faces are equally
+/// near and may lie on either side; their normals, weighted by the angle each spans there, add up
+/// to one that tells the side (Baerentzen and Aanaes 2005).
 class SurfaceDistance {
  public:
   void add(const Vec3 &x, const Vec3 &a, const Vec3 &b, const Vec3 &c)
   {
-    const Vec3 d = x - nearest_on_triangle(x, a, b, c);
-    const Vec3 n = (b - a).cross(c - a);
-    const double d2 = d.squaredNorm(), height = n.norm() > 0.0 ? d.dot(n) / n.norm() : 0.0;
-    // at an edge or corner several faces are equally near: that seen most from the front or from
-    // the back tells the side
-    const bool same = std::fabs(d2 - least) <= TIE * std::max(d2, least);
-    if (same ? std::fabs(height) > std::fabs(side) : d2 < least) side = height;
+    const Vec3 y = nearest_on_triangle(x, a, b, c), d = x - y;
+    const double d2 = d.squaredNorm();
+    if (d2 > (1.0 + TIE) * least) return;
+    if (d2 < (1.0 - TIE) * least) side = 0.0;
     least = std::min(least, d2);
+    const Vec3 n = (b - a).cross(c - a);
+    if (n.norm() > 0.0) side += span(y, a, b, c) * d.dot(n) / n.norm();
   }
 
   /// Infinite before the first face.
@@ -61,8 +62,22 @@ class SurfaceDistance {
   bool inside() const { return side < 0.0; }
 
  private:
-  static constexpr double TIE = 1.0e-12;
+  static constexpr double TIE = 1.0e-12, PI = 3.14159265358979323846;
   double least = std::numeric_limits<double>::infinity(), side = 0.0;
+
+  /// Angle of the face at a point of it: that of a corner, or as on an edge (also inside, where no
+  /// other face counts).
+  static double span(const Vec3 &y, const Vec3 &a, const Vec3 &b, const Vec3 &c)
+  {
+    const Vec3 *const corner[3] = {&a, &b, &c};
+    for (int k = 0; k < 3; k++) {
+      const Vec3 u = *corner[(k + 1) % 3] - *corner[k], v = *corner[(k + 2) % 3] - *corner[k];
+      if ((y - *corner[k]).squaredNorm() > TIE * std::min(u.squaredNorm(), v.squaredNorm()))
+        continue;
+      return std::atan2(u.cross(v).norm(), u.dot(v));
+    }
+    return PI;
+  }
 };
 
 }    // namespace dcm
