@@ -137,6 +137,7 @@ void PairDCMContact::check_start()
       mine.push_back(
           {atom->molecule[i], {atom->x[i][0], atom->x[i][1], atom->x[i][2]}, atom->radius[i], -1});
   bodies = dcm_allgather(mine, world);
+  if (fix_cell) fix_cell->update_all();
   for (const int c : fix_cell ? fix_cell->cells().all_deformable() : std::vector<int>()) {
     const auto &cell = fix_cell->cells()[c];
     bodies.push_back(
