@@ -15,7 +15,8 @@ PROBE = {"shares": 11, "differ": 12, "elsewhere": 13, "blank": 14, "unequal": 15
 
 def row_of_cells(scenes, boundary="p p p"):
     """Touching cells in a row along x, those at the ends touch through the border."""
-    scene = scenes.Scene((5.9 * CELLS, 20.0, 20.0), boundary)
+    room = 0.0 if boundary == "p p p" else 1.0
+    scene = scenes.Scene((5.9 * CELLS + room, 20.0, 20.0), boundary)
     for n in range(CELLS):
         scene.dcm(5.9 * (2 * n + 1 - CELLS), 0.3 * (-1) ** n, 0.2 * n, 6.0)
     return scene
@@ -43,7 +44,8 @@ def test_shared_sums(probing, scenes, np_, boundary):
         assert row["v_shares"] + row["v_elsewhere"] == CELLS * np_
         assert row["v_shares"] > CELLS or np_ == 1
         assert row["v_elsewhere"] > 0 or np_ < 3
-        assert row["v_blank"] == row["v_elsewhere"]
+        if row["Step"] > 0:    # at first the pair style has asked, to check the start
+            assert row["v_blank"] == row["v_elsewhere"]
 
 
 READERS = {
