@@ -1,5 +1,5 @@
-"""Sums over the processes that share a cell, and the table of cells where there are many cells that a
-process has no atom of: what all() has is current wherever it is read."""
+"""Sums over the processes that share a cell, and the table of cells where a process has no atom of
+many cells: what all() has is current wherever it is read."""
 
 import os
 from pathlib import Path
@@ -34,8 +34,8 @@ def probing(lmp):
 @pytest.mark.parametrize("np_", [1, 2, 3, 4])
 @pytest.mark.parametrize("boundary", ["s s s", "p p p"])
 def test_shared_sums(probing, scenes, np_, boundary):
-    """The same to the last bit on all processes that share a cell, and what others have is no number
-    until it is asked for; then it is the same everywhere."""
+    """The same to the last bit on all processes that share a cell; what others have is no
+    number until it is asked for, and then the same everywhere."""
     deck = whole(row_of_cells(scenes, boundary), extra="fix probe all dcm/probe\n")
     deck += "neigh_modify every 2 delay 0 check no\n"
     deck += scenes.thermo([f"{name}=f_probe[{k}]" for name, k in PROBE.items()])
@@ -70,7 +70,8 @@ READERS = {
     "polarity": (
         "fix pol all dcm/polarity seed 11 init toward 0.5 20 30 junction auto every 3\n"
         "compute p all dcm/cell ax py apical_area\ncompute q all reduce sum c_p[*]\n",
-        ["polar=f_pol[1]", "apical=f_pol[2]", "ribbon=f_pol[3]", *(f"q{k}=c_q[{k}]" for k in (1, 2, 3))],
+        ["polar=f_pol[1]", "apical=f_pol[2]", "ribbon=f_pol[3]"]
+        + [f"q{k}=c_q[{k}]" for k in (1, 2, 3)],
     ),
 }
 
@@ -78,14 +79,15 @@ READERS = {
 @pytest.mark.parametrize("scheme", ["explicit", "implicit dt auto tol 0.05 max 2"])
 @pytest.mark.parametrize("reader", READERS)
 def test_readers_of_the_whole_table(lmp, scenes, reader, scheme):
-    """Whoever reads the measures of all cells has those of cells elsewhere: 1, 2, 3 and 4 ranks agree
-    in forces and output."""
+    """Whoever reads the measures of all cells has those of cells elsewhere: 1, 2, 3 and 4 ranks
+    agree in positions and output."""
     scene = row_of_cells(scenes)
     extra, columns = READERS[reader]
     extra = extra.format(map=scene.map)
     if reader == "motility":
         scheme = scheme.split()[0]    # which draws for one step of given length
-    deck = whole(scene, extra=extra, motion=scene.motion(options=f"scheme {scheme} tolerance 1e-12"))
+    motion = scene.motion(options=f"scheme {scheme} tolerance 1e-12")
+    deck = whole(scene, extra=extra, motion=motion)
     deck += (
         "compute c all dcm/cell volume area pressure x vx contact_area\n"
         "compute cs all reduce sum c_c[*]\n"

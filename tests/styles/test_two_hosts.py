@@ -15,7 +15,8 @@ def two_hosts(lmp):
     """Runs in the folder of a run that has been, with a log and dump of its own."""
 
     def run(path):
-        command = [str(SCRIPT), "-in", "in.test", "-nocite", "-log", "log.two", "-var", "dump", "two"]
+        command = [str(SCRIPT), "-in", "in.test", "-nocite", "-log", "log.two",
+                   "-var", "dump", "two"]
         done = subprocess.run(
             command, cwd=path, env=lmp.env, capture_output=True, text=True, timeout=300, check=False
         )

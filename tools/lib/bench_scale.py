@@ -118,8 +118,9 @@ def main():
                         ROOT / "tools/lib/count_messages.c"], check=True)
         heads = "".join(f"{kind:>18s}" for kind in KINDS)
         for scheme in options.schemes.split(","):
-            print(f"\nscheme {scheme}, {options.edge**3} cells of {10 * 4**options.level + 2} nodes "
-                  f"a rank: messages and bytes per rank\nranks {'':8s} {heads}  all bytes")
+            nodes = 10 * 4**options.level + 2
+            print(f"\nscheme {scheme}, {options.edge**3} cells of {nodes} nodes a rank: "
+                  f"messages and bytes per rank\nranks {'':8s} {heads}  all bytes")
             notes, total = [], {}
             for ranks in map(int, options.ranks.split(",")):
                 grid, n = split(ranks), options.steps
