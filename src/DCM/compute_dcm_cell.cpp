@@ -187,7 +187,7 @@ void ComputeDCMCell::sum_cells()
       for (int k = 0; k < 3; k++) sums[2 + k] += atom->v[i][k] / table[c].nnodes;
     }
   }
-  cell->sum(cell_sums, NSUM);
+  cell->sum_owned(cell_sums, NSUM);
 }
 
 /* ----------------------------------------------------------------------
@@ -393,6 +393,7 @@ void ComputeDCMCell::compute_vector()
 
   double ndcm = 0.0, sum = 0.0, highest = 0.0, volume = 0.0;
   if (cell) {
+    cell->update_all();
     const auto &table = cell->cells();
     for (const int c : table.all_deformable()) {
       const auto &it = table[c];

@@ -19,6 +19,8 @@
 #include "update.h"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 
 using namespace LAMMPS_NS;
 
@@ -202,6 +204,18 @@ void DCMCellTable::list_deformable()
   deformable_rows.clear();
   for (int row = 0; row < size(); row++)
     if (cells[row].deformable) deformable_rows.push_back(row);
+  here = deformable_rows;
+  elsewhere.clear();
+  nchanges++;
+}
+
+void DCMCellTable::set_here(const std::vector<int> &rows)
+{
+  here = rows;
+  elsewhere.clear();
+  std::set_difference(deformable_rows.begin(), deformable_rows.end(), here.begin(), here.end(),
+                      std::back_inserter(elsewhere));
+  current = erased = false;
 }
 
 void DCMCellTable::reserve_molecules()
@@ -233,12 +247,59 @@ void DCMCellTable::place(int row, const double *x)
   std::copy_n(x, 3, cells[row].x);
 }
 
+// what is not kept up to date is no number, so that nobody takes an old one for that of now
+
 void DCMCellTable::begin_step()
 {
-  each_column([](DCMColumn &column) {
-    if (column.heredity == DCMColumn::EACH_STEP)
-      std::fill(column.values.begin(), column.values.end(), 0.0);
+  constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
+  const bool erase = current || !erased;
+  if (erase)
+    for (const int row : elsewhere) {
+      Cell &cell = cells[row];
+      cell.volume = cell.area = cell.x[0] = cell.x[1] = cell.x[2] = NONE;
+    }
+  each_column([&](DCMColumn &column) {
+    if (column.heredity != DCMColumn::EACH_STEP) return;
+    for (const int row : here) column(row) = 0.0;
+    if (!erase) return;
+    for (const int row : elsewhere) column(row) = NONE;
   });
+  current = false;
+  erased = true;
+}
+
+void DCMCellTable::update_all(const std::vector<int> &mine)
+{
+  if (current) return;
+  current = true;
+  std::vector<DCMColumn *> sums;
+  each_column([&sums](DCMColumn &column) {
+    if (column.heredity == DCMColumn::EACH_STEP) sums.push_back(&column);
+  });
+  const size_t width = 5 + sums.size();
+  packed.assign(width * deformable_rows.size(), 0.0);
+  auto at = deformable_rows.begin();
+  for (const int row : mine) {
+    at = std::lower_bound(at, deformable_rows.end(), row);
+    const Cell &cell = cells[row];
+    double *to = &packed[width * (at - deformable_rows.begin())];
+    *to++ = cell.volume;
+    *to++ = cell.area;
+    to = std::copy_n(cell.x, 3, to);
+    for (const auto *column : sums) *to++ = (*column)(row);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, packed.data(), (int) packed.size(), MPI_DOUBLE, MPI_SUM, world);
+  at = deformable_rows.begin();
+  for (const int row : elsewhere) {
+    at = std::lower_bound(at, deformable_rows.end(), row);
+    Cell &cell = cells[row];
+    const double *from = &packed[width * (at - deformable_rows.begin())];
+    cell.volume = *from++;
+    cell.area = *from++;
+    std::copy_n(from, 3, cell.x);
+    from += 3;
+    for (auto *column : sums) (*column)(row) = *from++;
+  }
 }
 
 /* ----------------------------------------------------------------------
@@ -398,6 +459,7 @@ void DCMCellTable::retyped(tagint molecule, int type, int mask)
   const int row = require(molecule), before = cells[row].type;
   cells[row].type = type;
   cells[row].mask = mask;
+  nchanges++;
   for (auto *const role : DCMRole::of(lmp)) role->cell_retyped(row, before);
 }
 
@@ -461,6 +523,9 @@ void DCMCellTable::get(DCMRecord &record)
 double DCMCellTable::memory_usage() const
 {
   double bytes = (double) cells.capacity() * sizeof(Cell);
+  bytes += (double) packed.capacity() * sizeof(double);
+  bytes += (double) (deformable_rows.capacity() + here.capacity() + elsewhere.capacity()) *
+           sizeof(int);
   each_column([&bytes](const DCMColumn &column) {
     bytes += (double) column.values.capacity() * sizeof(double);
   });

@@ -68,10 +68,10 @@ class DCMColumn {
 // has asked for them: fix dcm/cell request_spheres().
 //
 // A row number is good until the next rebuild of the neighbor lists or the next change of a cell.
-// Today all processes hold all cells, the same. Only what asks for it by name may rely on that:
-// all(), all_deformable(), and what is called for all cells at once (gather, divided, ...). The
-// rest is for cells that own or touch atoms of this process, so that a table of just these can
-// stand behind the same interface.
+// All processes hold all cells and know their membership, lineage, rest volume and columns; but
+// volume, area, x and columns EACH_STEP of deformable cells are kept up to date only for those that
+// have atoms, owned or ghost, on this process: deformable(). Elsewhere they are not a number, until
+// somebody asks for those of all(): FixDCMCell::update_all().
 
 class DCMCellTable : protected Pointers {
  public:
@@ -84,7 +84,7 @@ class DCMCellTable : protected Pointers {
     int nnodes, nfaces;    // 0: a sphere
     double volume0;        // rest volume; sphere: its volume
     double built0;         // that when the neighbor lists were last built
-    double volume, area;
+    double volume, area;    // these and x: see above
     double x[3];    // deformable: mean of the nodes, unwrapped next to the center atom; sphere:
                     // where it was at the last rebuild, wrapped
     int phase;      // of its life; cells that no style makes grow are QUIESCENT
@@ -116,7 +116,11 @@ class DCMCellTable : protected Pointers {
   int size() const { return (int) cells.size(); }
   const Cell &operator[](int row) const { return cells[row]; }
   int find(tagint molecule) const;    // row, -1: no such cell
-  const std::vector<int> &deformable() const { return deformable_rows; }
+
+  // deformable cells that have atoms on this process, ghosts included; after a change of cells all,
+  // until the next rebuild
+
+  const std::vector<int> &deformable() const { return here; }
 
   // all cells of the tissue, the same on all processes
 
@@ -137,9 +141,11 @@ class DCMCellTable : protected Pointers {
   Handle add(const std::string &asking, const std::string &name, DCMColumn::Heredity heredity,
              double preset = 0.0, const std::vector<std::string> &names = {}, Handle mine = {});
 
-  // the column of a sum to which several styles contribute in each step, such as pressure
+  // the column of a sum to which several styles contribute in each step, such as pressure; call
+  // contributed() when it is done for the rows of deformable()
 
   Handle contribute(const std::string &name);
+  void contributed() { current = false; }
 
   // read any column: nullptr if nobody has it; field: which of its numbers has this name
 
@@ -148,6 +154,10 @@ class DCMCellTable : protected Pointers {
   std::vector<std::string> column_names() const;
 
   double time() const;    // of the simulation, also with time steps that change
+
+  // how often cells have come, gone or changed: what was found out about all cells holds until then
+
+  bigint changes() const { return nchanges; }
 
   // ---- changing, for those who change the atoms as well
 
@@ -169,7 +179,9 @@ class DCMCellTable : protected Pointers {
   void measured(int row, double volume, double area, const double *x);
   void counted(int row, int nnodes, int nfaces);
   void place(int row, const double *x);
+  void set_here(const std::vector<int> &rows);    // deformable ones, ascending
   void begin_step();    // zeros for columns EACH_STEP
+  void update_all(const std::vector<int> &mine);    // collective; mine: rows this process stands for
   void put(class DCMRecord &) const;
   void get(class DCMRecord &);
   void forget_saved() { saved = Saved(); }
@@ -187,7 +199,10 @@ class DCMCellTable : protected Pointers {
   } saved;
 
   std::vector<Cell> cells;    // sorted by molecule
-  std::vector<int> deformable_rows;
+  std::vector<int> deformable_rows, here, elsewhere;    // the latter two: on this process, not on it
+  bool current = true, erased = false;    // what is measured elsewhere: up to date, not a number
+  bigint nchanges = 0;
+  std::vector<double> packed;
   std::vector<std::weak_ptr<DCMColumn>> columns;
   tagint next_molecule = 1, doubled = 0;    // doubled: an ID that several cells have
 

@@ -44,7 +44,7 @@ static constexpr int NSUM = 5;    // per cell: volume, area, displacement of the
 
 /* ---------------------------------------------------------------------- */
 
-FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), table(lmp)
+FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), table(lmp), sharing(world)
 {
   dcm = AtomVecDCM::require(lmp, "Fix dcm/cell");
   DCMArgs args(lmp, "Fix dcm/cell", narg - 3, arg + 3, {"types"});
@@ -186,7 +186,17 @@ void FixDCMCell::pre_force(int /*vflag*/)
 
 void FixDCMCell::refresh()
 {
+  update_all();
   table.refresh(spheres_wanted.any());
+  list_centers();
+}
+
+void FixDCMCell::list_centers()
+{
+  centers.clear();
+  for (int i = 0; i < atom->nlocal; i++)
+    if (dcm->kind[i] == AtomVecDCM::CENTER) centers.push_back(table.find(atom->molecule[i]));
+  std::sort(centers.begin(), centers.end());
 }
 
 /* ----------------------------------------------------------------------
@@ -206,8 +216,19 @@ void FixDCMCell::sum(std::vector<double> &values, int width)
     std::copy_n(&packed[width * n], width, &values[(size_t) width * rows[n]]);
 }
 
+void FixDCMCell::begin_sum(std::vector<double> &values, int width) const
+{
+  if (values.size() < (size_t) width * table.size()) values.resize((size_t) width * table.size());
+  for (const int row : table.deformable()) std::fill_n(&values[(size_t) width * row], width, 0.0);
+}
+
+void FixDCMCell::update_all()
+{
+  if (comm->nprocs > 1) table.update_all(centers);
+}
+
 /* ----------------------------------------------------------------------
-   which cell each node, face and center belongs to; members of each cell
+   which cell each node, face and center belongs to; members of each cell, and who shares it
 ------------------------------------------------------------------------- */
 
 void FixDCMCell::count_members()
@@ -216,6 +237,7 @@ void FixDCMCell::count_members()
   cell_of_atom.assign(nall, -1);
   known_tags.assign(atom->tag, atom->tag + nall);
   cell_sums.assign(2 * table.size(), 0.0);
+  parts.assign(table.size(), dcm::CellSharing::NONE);
   const bool spheres = spheres_wanted.any();
   int last = -1;    // atoms of a cell follow each other
   for (int i = 0; i < nall; i++) {
@@ -230,12 +252,23 @@ void FixDCMCell::count_members()
                  "whole cells only",
                  kind == AtomVecDCM::NODE ? "node" : "face", atom->tag[i], atom->molecule[i]);
     cell_of_atom[i] = last;
-    if (i < atom->nlocal && kind == AtomVecDCM::NODE) cell_sums[2 * last] += 1.0;
-    if (i < atom->nlocal && kind == AtomVecDCM::FACE) cell_sums[2 * last + 1] += 1.0;
+    if (i < atom->nlocal)
+      parts[last] = dcm::CellSharing::OWNS;
+    else if (parts[last] == dcm::CellSharing::NONE)
+      parts[last] = dcm::CellSharing::TOUCHES;
+    if (i >= atom->nlocal) continue;
+    if (kind == AtomVecDCM::NODE) cell_sums[2 * last] += 1.0;
+    if (kind == AtomVecDCM::FACE) cell_sums[2 * last + 1] += 1.0;
   }
+  list_centers();
   sum(cell_sums, 2);
-  for (const int c : table.deformable())
+  for (const int c : table.all_deformable())
     table.counted(c, (int) cell_sums[2 * c], (int) cell_sums[2 * c + 1]);
+  sharing.connect(parts);
+  std::vector<int> here;
+  for (const int c : table.all_deformable())
+    if (parts[c] != dcm::CellSharing::NONE) here.push_back(c);
+  table.set_here(here);
   for (auto &face : face_list) face.cell = cell_of_atom[face.atom];
 }
 
@@ -247,7 +280,7 @@ void FixDCMCell::count_members()
 
 void FixDCMCell::snap_centers()
 {
-  for (const int c : table.deformable()) {
+  for (const int c : table.all_deformable()) {
     const auto &cell = table[c];
     if (!(cell.volume0 > 0.0)) continue;
     const double unit = std::exp2(std::floor(std::log2(cell.volume0) / 3.0) - 4.0);
@@ -273,7 +306,7 @@ void FixDCMCell::measure_cells()
     return d;
   };
 
-  cell_sums.assign(NSUM * table.size(), 0.0);
+  begin_sum(cell_sums, NSUM);
   for (int f = 0; f < nowned_faces; f++) {
     const Face &face = face_list[f];
     double *sums = &cell_sums[NSUM * face.cell];
@@ -288,13 +321,13 @@ void FixDCMCell::measure_cells()
     double *sums = &cell_sums[NSUM * cell_of_atom[i]];
     vec(sums + 2) += from_center(i, cell_of_atom[i]);
   }
-  sum(cell_sums, NSUM);
+  sum_shared(cell_sums, NSUM);
 
   for (const int c : table.deformable()) {
     const auto &cell = table[c];
     const double *sums = &cell_sums[NSUM * c];
     if (!std::isfinite(sums[0]) || sums[0] <= 0.0)
-      error->all(FLERR,
+      error->one(FLERR,
                  "Fix dcm/cell: cell {} has volume {} at step {}: its surface is inverted "
                  "(a mesh given inside out, or a time step too large); flip the mesh's faces or "
                  "reduce the timestep",
@@ -322,7 +355,8 @@ double FixDCMCell::mean_edge(int row) const
 
 double FixDCMCell::memory_usage()
 {
-  double bytes = table.memory_usage();
+  double bytes = table.memory_usage() + sharing.memory_usage();
+  bytes += (double) (cell_sums.capacity() + packed.capacity()) * sizeof(double);
   bytes += (double) face_list.capacity() * (sizeof(Face) + sizeof(double));
   bytes += (double) cell_of_atom.capacity() * (2 * sizeof(int) + sizeof(tagint));
   bytes += (double) (first_around.capacity() + around.capacity()) * sizeof(int);

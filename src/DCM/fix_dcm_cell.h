@@ -20,6 +20,7 @@ FixStyle(dcm/cell,FixDCMCell);
 #include "dcm_cell_table.h"
 #include "dcm_request.h"
 #include "fix.h"
+#include "law/cell_sharing.h"
 
 #include <array>
 #include <memory>
@@ -102,9 +103,28 @@ class FixDCMCell : public Fix {
   void set_region(int f, int region);
   void update_regions();
 
-  // sum `values` (width per row of the table) over all ranks; spheres are left alone
+  // rows of the deformable cells whose center atom this process owns: each cell is counted once
+
+  const std::vector<int> &owned_cells() const { return centers; }
+
+  // sums over the processes, `width` numbers per row of the table, of deformable cells only.
+  // sum: all rows, over all processes; for what is not done in every step. sum_shared: only rows of
+  // cells that have atoms here, ghosts included (DCMCellTable::deformable); sum_owned: only of cells
+  // that own atoms here, as needed for forces on them. The latter two cost what is near, and are the
+  // same to the last bit on all that share a cell. begin_sum makes room and zeros for these two
 
   void sum(std::vector<double> &values, int width);
+  void begin_sum(std::vector<double> &values, int width) const;
+  void sum_shared(std::vector<double> &values, int width) { sharing.sum(values.data(), width); }
+  void sum_owned(std::vector<double> &values, int width)
+  {
+    sharing.sum(values.data(), width, true);
+  }
+  dcm::CellSharing &shared_cells() { return sharing; }
+
+  // volume, area, x and columns EACH_STEP of cells elsewhere as well: to be called by whoever reads
+  // those of all(), on all processes alike; once a step it costs a sum over all cells
+  void update_all();
 
   // take in cells, or values of their atoms, that somebody has changed; collective
 
@@ -161,6 +181,9 @@ class FixDCMCell : public Fix {
   double edge_mean = 0.0;
   std::vector<double> node_sums;    // per atom, for the curvature
   std::vector<double> cell_sums, packed;
+  dcm::CellSharing sharing;
+  std::vector<int> centers;
+  std::vector<char> parts;    // what there is here of each cell
   std::vector<int> first_around, around;    // faces around each node, by the atom map's copy of it
   std::vector<int> image_kind;
   std::vector<double> image_values;
@@ -169,6 +192,7 @@ class FixDCMCell : public Fix {
       known_tags;    // of all atoms, when it was found out to which cell they belong
 
   void count_members();
+  void list_centers();
   void snap_centers();
   void build_faces();
   void build_adjacency();

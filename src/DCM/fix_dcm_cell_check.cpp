@@ -81,7 +81,8 @@ void FixDCMCell::check_surfaces()
   sum(sums, 4);
   if (ncells) MPI_Allreduce(MPI_IN_PLACE, reach.data(), ncells, MPI_DOUBLE, MPI_MAX, world);
 
-  for (const int c : table.deformable()) {
+  update_all();
+  for (const int c : table.all_deformable()) {
     const auto &cell = table[c];
     if (cell.nfaces != 2 * cell.nnodes - 4)
       error->all(FLERR,

@@ -190,6 +190,7 @@ void FixDCMConfine::estimate_reference()
     sums[2] += 2.0 * atom->radius[i];
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, world);
+  cell->update_all();
   for (const int c : cell->cells().all_deformable()) {
     const auto &it = cell->cells()[c];
     if (!(it.mask & groupbit)) continue;
@@ -211,18 +212,18 @@ void FixDCMConfine::estimate_reference()
 
 double FixDCMConfine::mean_pressure() const
 {
-  double sum = 0.0;
-  int n = 0;
+  double sums[2] = {0.0, 0.0};    // of pressures, number
   const auto &table = cell->cells();
   int field = 0;
   const auto pressure = table.column("pressure", field);
   if (!pressure) return 0.0;
-  for (const int c : table.all_deformable()) {
+  for (const int c : cell->owned_cells()) {
     if (!(table[c].mask & measured_bit)) continue;
-    sum += (*pressure)(c);
-    n++;
+    sums[0] += (*pressure)(c);
+    sums[1] += 1.0;
   }
-  return n ? sum / n : 0.0;
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, world);
+  return sums[1] > 0.0 ? sums[0] / sums[1] : 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -305,16 +306,18 @@ void FixDCMConfine::pre_reverse(int /*eflag*/, int /*vflag*/)
 {
   energy = farthest = 0.0;
 
-  // all ranks hold the same deformable cells: their energy counts once
+  // the energy of a cell counts where its center is
 
   const auto &table = cell->cells();
-  cell_force.resize(3 * table.size());
-  for (const int c : table.all_deformable()) {
+  if (cell_force.size() < 3 * (size_t) table.size()) cell_force.resize(3 * table.size());
+  for (const int c : cell->owned_cells()) add_force(table[c].x, table[c].mask, &cell_force[3 * c]);
+  const double counted = energy;
+  for (const int c : table.deformable()) {
     const auto &it = table[c];
     add_force(it.x, it.mask, &cell_force[3 * c]);
     if (it.nnodes > 0) dcm::vec(&cell_force[3 * c]) /= it.nnodes;
   }
-  if (comm->me != 0) energy = 0.0;
+  energy = counted;
 
   double **f = atom->f;
   const int *const kind = dcm->kind;

@@ -258,12 +258,32 @@ void FixDCMGrowth::draw_cycle(int row, Cycle &mine)
 void FixDCMGrowth::initial_integrate(int /*vflag*/)
 {
   hold_fractions();
+  if (reads_cells()) cell->update_all();
   if (contact) measure_spheres();
   rest.begin(cell);
   const int ncells = (int) cell->cells().all().size();
   for (int row = 0; row < ncells; row++)
     if ((*cycles)(row) > 0.0) advance(row);    // its first number: is it a member?
   if (rest.apply()) next_reneighbor = update->ntimestep;
+}
+
+/* ----------------------------------------------------------------------
+   does any cell depend on its volume or note its pressure in this step? The same on all ranks
+------------------------------------------------------------------------- */
+
+bool FixDCMGrowth::reads_cells() const
+{
+  const auto &table = cell->cells();
+  for (const int row : table.all_deformable()) {
+    const auto phase = table[row].phase;
+    if (!((*cycles)(row) > 0.0)) continue;
+    if (phase == DCMCellTable::ROUNDING || phase == DCMCellTable::READY) return true;
+    if (phase != DCMCellTable::GROWING) continue;
+    if (half > 0.0 || until_volume) return true;
+    const Cycle mine = cycles->load<Cycle>(row);
+    if (mine.progress + update->dt / mine.duration >= (1.0 - rounding) * DONE) return true;
+  }
+  return false;
 }
 
 /* ----------------------------------------------------------------------

@@ -100,6 +100,7 @@ class FixDCMGrowth : public Fix, public DCMRole {
   double volume_at(const Cycle &, double progress) const;
   double length_at(double progress) const;
   double strain(int row) const;
+  bool reads_cells() const;
   void advance(int row);
   template <class Predicate> int count(Predicate &&) const;
 };

@@ -58,6 +58,7 @@ double FixDCMGrowth::length_at(double progress) const
 bool FixDCMGrowth::rest_ahead(double dt, std::vector<RestAhead> &ahead)
 {
   bool any = false;
+  if (half > 0.0) cell->update_all();
   const auto &table = cell->cells();
   for (const int row : table.all_deformable()) {
     const auto &it = table[row];
@@ -83,6 +84,7 @@ bool FixDCMGrowth::rest_ahead(double dt, std::vector<RestAhead> &ahead)
 double FixDCMGrowth::next_event()
 {
   double first = std::numeric_limits<double>::infinity();
+  if (half > 0.0) cell->update_all();
   const auto &table = cell->cells();
   for (int row = 0; row < (int) table.all().size(); row++) {
     if (!((*cycles)(row) > 0.0)) continue;

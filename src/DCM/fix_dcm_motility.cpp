@@ -134,18 +134,15 @@ void FixDCMMotility::read_types()
   }
 }
 
-void FixDCMMotility::check(int itype, bool everywhere) const
+void FixDCMMotility::check(int itype) const
 {
   const Type &type = types[itype];
   if (type.D != MISSING && type.friction != MISSING) return;
-  const auto message = fmt::format(
+  error->one(
+      FLERR,
       "{}: no value of {} for cell type {}, of which there are cells since step {}; add it to the "
       "parameter file or give the keyword",
       STYLE, type.D == MISSING ? "D" : "friction_ecm", parameters.name(itype), update->ntimestep);
-  if (everywhere)
-    error->all(FLERR, message);
-  else
-    error->one(FLERR, message);
 }
 
 void FixDCMMotility::setup_pre_reverse(int eflag, int vflag)
@@ -215,7 +212,7 @@ void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
   // random part in units of its standard deviation: each rank draws those of all cells itself, but
   // with persistence only the owner of the center has it
 
-  cell_force.assign(3 * table.size(), 0.0);
+  cell->begin_sum(cell_force, 3);
   if (persistence > 0.0) {
     for (int i = 0; i < nlocal; i++) {
       if (!moves(i)) continue;
@@ -223,14 +220,14 @@ void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
       if (dcm->kind[i] == AtomVecDCM::CENTER)
         dcm::vec(&cell_force[3 * cell->cell_of(i)]) = dcm::vec(state[i]);
     }
-    cell->sum(cell_force, 3);
+    cell->sum_owned(cell_force, 3);
   }
 
   for (const int c : table.deformable()) {
     const auto &it = table[c];
     double *const fc = &cell_force[3 * c];
     if (!types[it.type].used || !(it.mask & groupbit) || it.nnodes == 0) continue;
-    check(it.type, true);
+    check(it.type);
     if (persistence == 0.0) draw(it.molecule, fc);
     if (plane >= 0) fc[plane] = 0.0;
     dcm::vec(fc) *= amplitude(types[it.type], it.area);
@@ -243,7 +240,7 @@ void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
     if (dcm->kind[i] == AtomVecDCM::NODE) {
       dcm::vec(f[i]) += dcm::vec(&cell_force[3 * cell->cell_of(i)]);
     } else if (dcm->kind[i] == AtomVecDCM::SPHERE && moves(i)) {
-      check(atom->type[i], false);
+      check(atom->type[i]);
       double fi[3];
       if (persistence > 0.0)
         dcm::vec(fi) = dcm::vec(state[i]);

@@ -75,7 +75,7 @@ class FixDCMMotility : public Fix, public DCMRole {
   void read_types();
   bool moves(int) const;
   void draw(tagint, double *) const;
-  void check(int type, bool everywhere) const;
+  void check(int type) const;
   double amplitude(const Type &, double) const;
 };
 

@@ -288,7 +288,7 @@ void FixDCMMotion::spread_velocity()
   const int nlocal = atom->nlocal;
   const auto &cells = cell->cells();
 
-  cell_sums.assign(3 * cells.size(), 0.0);
+  cell->begin_sum(cell_sums, 3);
   for (int i = 0; i < nlocal; i++) {
     const int kind = dcm->kind[i];
     if (kind != AtomVecDCM::NODE && kind != AtomVecDCM::SPHERE) continue;
@@ -297,7 +297,7 @@ void FixDCMMotion::spread_velocity()
     if (kind == AtomVecDCM::SPHERE) continue;
     for (int k = 0; k < 3; k++) cell_sums[3 * (size_t) cell->cell_of(i) + k] += u[k];
   }
-  cell->sum(cell_sums, 3);
+  cell->sum_owned(cell_sums, 3);
   for (int i = 0; i < nlocal; i++) {
     if (dcm->kind[i] != AtomVecDCM::CENTER) continue;
     const int c = cell->cell_of(i);

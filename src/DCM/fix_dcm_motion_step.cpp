@@ -111,8 +111,8 @@ void FixDCMMotion::look_ahead(double dt)
 
 /* ----------------------------------------------------------------------
    how the cells move: mean velocity of a deformable cell's nodes and the speed at which its surface
-   moves outward on the mean, or of its sphere; 4 numbers per row of the table, the same on all
-   processes. What nodes do within a surface decays fast and leaves no trace
+   moves outward on the mean, or of its sphere; 4 numbers per row of the table, for cells that have
+   atoms here and spheres that are owned. What nodes do within a surface decays fast and leaves no trace
 ------------------------------------------------------------------------- */
 
 void FixDCMMotion::measure_cells(std::vector<double> &motion)
@@ -137,7 +137,7 @@ void FixDCMMotion::measure_cells(std::vector<double> &motion)
     for (int k = 0; k < 3; k++)
       motion[4 * (size_t) face.cell + 3] += third.dot(dcm::vec(&velocity[STRIDE * (size_t) s[k]]));
   }
-  MPI_Allreduce(MPI_IN_PLACE, motion.data(), (int) motion.size(), MPI_DOUBLE, MPI_SUM, world);
+  cell->sum_shared(motion, 4);
 }
 
 /* ----------------------------------------------------------------------
@@ -150,6 +150,7 @@ double FixDCMMotion::change_of_velocity()
   double most = 0.0;
   for (size_t n = 0; n < motion.size(); n++)
     most = std::max(most, std::fabs(motion[n] - motion_before[n]));
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   return most;
 }
 

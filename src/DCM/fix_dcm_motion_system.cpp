@@ -37,6 +37,7 @@ void FixDCMMotion::make_slots()
     comm->forward_comm(this, 1);
   }
   unknowns.number(groupbit, owner);
+  messages.cells = &cell->shared_cells();
 
   face_slots.resize(3 * (size_t) cell->nowned());
   for (int f = 0; f < cell->nowned(); f++)

@@ -73,7 +73,7 @@ void FixDCMOsmosis::look()
 void FixDCMOsmosis::note_joined()
 {
   const auto &table = cell->cells();
-  for (const int row : table.deformable()) {
+  for (const int row : table.all_deformable()) {
     double &since = (*joined)(row);
     if (!secreting(row))
       since = -1.0;

@@ -203,7 +203,7 @@ void FixDCMPolarity::check_groups() const
   const auto &table = cell->cells();
   for (auto *const fix : modify->get_fix_by_style("^dcm/polarity$")) {
     if (fix == this) continue;
-    for (const int row : table.deformable())
+    for (const int row : table.all_deformable())
       if ((table[row].mask & groupbit) && (table[row].mask & fix->groupbit))
         error->all(FLERR,
                    "{}: cell {} is in the groups of fix {} and fix {}; groups of fixes of this "
@@ -288,7 +288,7 @@ bool FixDCMPolarity::find_due(bool all)
   due.assign(table.size(), 0);
   forget_leavers();
   std::vector<int> beginners;
-  for (const int row : table.deformable()) {
+  for (const int row : table.all_deformable()) {
     if (!polar(table[row])) continue;
     if (all) due[row] = 1;
     if (!has_vectors(row) && start_mode != FREE) beginners.push_back(row);
@@ -323,6 +323,7 @@ void FixDCMPolarity::forget_leavers()
 
 void FixDCMPolarity::start(const std::vector<int> &rows)
 {
+  cell->update_all();
   const auto &table = cell->cells();
   std::vector<tagint> molecules;
   for (const int row : rows) molecules.push_back(table[row].molecule);

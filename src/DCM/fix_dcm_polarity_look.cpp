@@ -37,6 +37,7 @@ static constexpr double LEAST_SUM = 0.5, FAR = 0.8660254037844386;
 
 void FixDCMPolarity::look(bool turning)
 {
+  cell->update_all();
   sums.assign(cell->cells().size(), Sums());
   find_outward();
   if (turning) {
@@ -106,7 +107,7 @@ void FixDCMPolarity::turn_cells()
 {
   nturned = nclosed = 0;
   const auto &table = cell->cells();
-  for (const int row : table.deformable()) {
+  for (const int row : table.all_deformable()) {
     if (!due[row] || !polar(table[row])) continue;
     if (sums[row].nfree == 0) nclosed++;
     if (has_vectors(row) && stays(row)) continue;

@@ -186,6 +186,7 @@ void FixDCMSignal::count_time()
   since = 0.0;
   int field = 0;
   const auto marked = table.column("marked_area", field);    // not kept: it is another's
+  cell->update_all();
   for (const int row : table.all_deformable()) {
     const auto &it = table[row];
     if (!listens(it) || (*fate)(row) > 0.0) continue;

@@ -170,7 +170,7 @@ void FixDCMTension::find_cells()
 {
   const auto &table = cell->cells();
   of_row.assign(table.size(), nullptr);
-  for (const int c : table.deformable()) {
+  for (const int c : table.all_deformable()) {    // all find the same error
     const auto &it = table[c];
     if (!parameters.used(it.type) || !(it.mask & groupbit)) continue;
     for (int r = 0; r < NREGION; r++)

@@ -25,6 +25,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -38,8 +39,7 @@ static constexpr int NSUM = 7;    // sums per node of the Voronoi form
 ------------------------------------------------------------------------- */
 
 FixDCMVolume::FixDCMVolume(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), parameters(lmp, STYLE, {"K_V"}), voronoi(false),
-    energy(0.0), mean(0.0), lowest(0.0), highest(0.0)
+    Fix(lmp, narg, arg), cell(nullptr), parameters(lmp, STYLE, {"K_V"}), voronoi(false)
 {
   AtomVecDCM::require(lmp, STYLE);
 
@@ -133,23 +133,26 @@ void FixDCMVolume::pre_reverse(int /*eflag*/, int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   all ranks hold the same cells and find the same errors
+   pressures of the cells that have atoms here
 ------------------------------------------------------------------------- */
 
 void FixDCMVolume::cell_pressures()
 {
-  energy = mean = 0.0;
-  lowest = highest = 0.0;
-  int n = 0;
   const auto &table = cell->cells();
-  pressure.assign(table.size(), 0.0);
-  for (const int c : table.all_deformable()) {
+  if (checked != table.changes()) {    // all ranks hold all cells and find the same error
+    checked = table.changes();
+    for (const int c : table.all_deformable())
+      if (acts_on(table[c]) && K_V[table[c].type] == 0.0)
+        parameters.get(table[c].type, "K_V", DCMParameters::POSITIVE);
+  }
+  if (pressure.size() < (size_t) table.size()) pressure.resize(table.size());
+  for (const int c : table.deformable()) {
     const auto &it = table[c];
+    pressure[c] = 0.0;
     if (!acts_on(it)) continue;
-    if (K_V[it.type] == 0.0) parameters.get(it.type, "K_V", DCMParameters::POSITIVE);
     const double K = K_V[it.type];
     if (!(it.volume > 0.0) || !std::isfinite(it.volume) || !(it.volume0 > 0.0))
-      error->all(
+      error->one(
           FLERR,
           "{}: cell {} has volume {} (rest volume {}) at step {}: it is inverted, or "
           "its coordinates are not finite; reduce the time step, or check the forces on this "
@@ -158,13 +161,33 @@ void FixDCMVolume::cell_pressures()
     const double p = dcm::pressure(K, it.volume, it.volume0);
     pressure[c] = p;
     (*sum)(c) += p;
-    energy += dcm::pressure_energy(K, it.volume, it.volume0);
-    mean += p;
-    lowest = n ? std::min(lowest, p) : p;
-    highest = n ? std::max(highest, p) : p;
-    n++;
   }
-  if (n) mean /= n;
+  cell->change_cells().contributed();
+
+  // of the cells whose centers are here: summed over all processes when somebody asks
+
+  constexpr double MOST = std::numeric_limits<double>::infinity();
+  energy = total = count = 0.0;
+  extremes[0] = extremes[1] = -MOST;
+  summed = false;
+  for (const int c : cell->owned_cells()) {
+    const auto &it = table[c];
+    if (!acts_on(it)) continue;
+    energy += dcm::pressure_energy(K_V[it.type], it.volume, it.volume0);
+    total += pressure[c];
+    count += 1.0;
+    extremes[0] = std::max(extremes[0], -pressure[c]);
+    extremes[1] = std::max(extremes[1], pressure[c]);
+  }
+}
+
+void FixDCMVolume::sum_up()
+{
+  if (summed) return;
+  summed = true;
+  double sums[3] = {energy, total, count};
+  MPI_Allreduce(sums, all, 3, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(MPI_IN_PLACE, extremes, 2, MPI_DOUBLE, MPI_MAX, world);
 }
 
 /* ----------------------------------------------------------------------
@@ -283,12 +306,13 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
   }
   comm->reverse_comm(this, width);
 
-  // the nodes of one cell next to each other, by a counting sort over the rows of the table
+  // the nodes of one cell next to each other, by a counting sort over the cells
 
   const DCMAtoms *const dcm = AtomVecDCM::require(lmp, STYLE);
   const auto &table = cell->cells();
   auto &begin = first_node;
-  begin.assign((size_t) table.size() + 1, 0);
+  if (begin.size() < (size_t) table.size()) begin.resize(table.size());
+  for (const int c : table.deformable()) begin[c] = 0;
   const int nowned = unknowns.nowned();
   const auto row_of = [&](int s) {
     const int i = unknowns.atom_of(s);
@@ -297,21 +321,24 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
   };
   for (int s = 1; s <= nowned; s++) {
     const int row = row_of(s);
-    if (row >= 0) begin[row + 1]++;
+    if (row >= 0) begin[row]++;
   }
-  for (size_t row = 0; row + 1 < begin.size(); row++) begin[row + 1] += begin[row];
-  const size_t base = system.nodes.size();
-  for (const int c : table.all_deformable()) {
+  size_t next = system.nodes.size();
+  system.nrows = table.size();
+  for (const int c : table.deformable()) {
     const auto &it = table[c];
-    if (!acts_on(it)) continue;
-    system.cells.push_back(
-        {base + begin[c], base + begin[c + 1], dcm::pressure_stiffness(K_V[it.type], it.volume)});
+    const size_t first = next;
+    next += begin[c];
+    begin[c] = first;
+    if (acts_on(it))
+      system.cells.push_back(
+          {first, next, dcm::pressure_stiffness(K_V[it.type], it.volume), c});
   }
-  system.nodes.resize(base + begin.back());
+  system.nodes.resize(next);
   for (int s = 1; s <= nowned; s++) {
     const int row = row_of(s);
     if (row < 0) continue;
-    auto &it = system.nodes[base + begin[row]++];
+    auto &it = system.nodes[begin[row]++];
     it.n = s;
     dcm::vec(it.g) = dcm::vec(&node[(size_t) width * unknowns.atom_of(s)]);
   }
@@ -341,7 +368,8 @@ void FixDCMVolume::add_ahead(const std::vector<RestAhead> &ahead, std::vector<do
 
 double FixDCMVolume::compute_scalar()
 {
-  return energy;
+  sum_up();
+  return all[0];
 }
 
 /* ----------------------------------------------------------------------
@@ -350,7 +378,10 @@ double FixDCMVolume::compute_scalar()
 
 double FixDCMVolume::compute_vector(int i)
 {
-  return i == 0 ? mean : (i == 1 ? lowest : highest);
+  sum_up();
+  const double n = all[2];
+  if (n == 0.0) return 0.0;
+  return i == 0 ? all[1] / n : (i == 1 ? -extremes[0] : extremes[1]);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -60,7 +60,10 @@ class FixDCMVolume : public Fix, public DCMRole {
   std::vector<double> K_V;         // per atom type, 0: none given, < 0: not acted on
   bool voronoi;                    // the source's form of the force instead of the gradient
   std::vector<double> pressure;    // per cell, 0 for cells not acted on
-  double energy, mean, lowest, highest;
+  double energy = 0.0, total = 0.0, count = 0.0;    // of cells whose center is here; pressures
+  double extremes[2] = {0.0, 0.0}, all[3] = {0.0, 0.0, 0.0};
+  bool summed = true;
+  bigint checked = -1;    // changes of cells when their parameters were looked at
   std::vector<double> node;          // sums per atom. voronoi: area, curvature vector, normal
   int width = 0;                     // numbers per atom
   std::vector<size_t> first_node;    // of the nodes of a cell in a stiffness system
@@ -68,6 +71,7 @@ class FixDCMVolume : public Fix, public DCMRole {
   void read_moduli();
   bool acts_on(const DCMCellTable::Cell &) const;
   void cell_pressures();
+  void sum_up();
   void gradient_forces();
   void voronoi_forces();
   void tally(int, const double *, const double *, const double *);

@@ -165,6 +165,7 @@ void PairDCMContact::check_start()
                       -1,
                       atom->radius[i]});
   bodies = dcm_allgather(mine, world);
+  if (fix_cell) fix_cell->update_all();
   const auto reach = reaches(lmp, fix_cell);
   for (const int c : fix_cell ? fix_cell->cells().all_deformable() : std::vector<int>()) {
     const auto &cell = fix_cell->cells()[c];
@@ -408,6 +409,7 @@ void PairDCMContact::measure_overlap()
   if (fix_cell) {
     MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
     MPI_Allreduce(MPI_IN_PLACE, &overlap, 1, MPI_DOUBLE, MPI_MAX, world);
+    fix_cell->update_all();
     for (const int c : fix_cell->cells().all_deformable()) filled += fix_cell->cells()[c].volume;
   }
   if (expect_spheres && domain->xperiodic && domain->yperiodic && domain->zperiodic) {

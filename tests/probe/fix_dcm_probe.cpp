@@ -22,6 +22,8 @@
 #include "update.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -111,6 +113,7 @@ void FixDCMProbe::end_of_step()
     if (dcm->region[i] != wanted(i)) values[STALE] += 1.0;
   }
   if (stiffness) values[STIFFNESS] = contact_stiffness();
+  look_at_sharing();
   MPI_Allreduce(MPI_IN_PLACE, values, NVALUES, MPI_DOUBLE, MPI_SUM, world);
 
   if (!contact) return;
@@ -118,6 +121,73 @@ void FixDCMProbe::end_of_step()
     values[PAIRS] += 1.0;
     values[PAIR_AREA] += pair.area;
   }
+}
+
+/* ----------------------------------------------------------------------
+   sums over the processes that share a cell, and what all know of it when asked
+------------------------------------------------------------------------- */
+
+void FixDCMProbe::look_at_sharing()
+{
+  const DCMAtoms *const dcm = AtomVecDCM::require(lmp, STYLE);
+  const auto &table = cell->cells();
+  std::vector<char> touched(table.size(), 0), owned(table.size(), 0), every(table.size(), 1);
+  for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
+    const int row = cell->cell_of(i);
+    if (row < 0 || !table[row].deformable) continue;
+    touched[row] = 1;
+    if (i < atom->nlocal) owned[row] = 1;
+  }
+  std::vector<double> sums, owned_sums;
+  cell->begin_sum(sums, 2);
+  cell->begin_sum(owned_sums, 2);
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::NODE) continue;
+    for (auto *const it : {&sums, &owned_sums}) {
+      (*it)[2 * cell->cell_of(i)] += 1.0;
+      (*it)[2 * cell->cell_of(i) + 1] += 1.0 / (double) atom->tag[i];
+    }
+  }
+  cell->sum_shared(sums, 2);
+  cell->sum_owned(owned_sums, 2);
+  auto differ = unequal(sums, 2, touched);
+  const auto differ_owned = unequal(owned_sums, 2, owned);
+  for (const int row : table.deformable()) {
+    values[SHARES] += 1.0;
+    differ[row] |= differ_owned[row] || !touched[row] || sums[2 * row] != table[row].nnodes ||
+        (owned[row] && owned_sums[2 * row + 1] != sums[2 * row + 1]);
+  }
+  for (const int row : table.all_deformable()) {
+    if (differ[row]) values[DIFFER] += 1.0;
+    if (touched[row]) continue;
+    values[ELSEWHERE] += 1.0;
+    if (std::isnan(table[row].volume) && std::isnan(table.value("pressure", row)))
+      values[BLANK] += 1.0;
+  }
+  cell->update_all();
+  std::vector<double> measures;
+  for (const auto &it : table.all())
+    measures.insert(measures.end(), {it.volume, it.area, it.x[0], it.x[1], it.x[2],
+                                     table.value("pressure", table.find(it.molecule))});
+  for (const char is : unequal(measures, 6, every)) values[UNEQUAL] += is;
+}
+
+// rows in which values are not the same numbers on all processes that have them
+
+std::vector<char> FixDCMProbe::unequal(const std::vector<double> &all, int width,
+                                       const std::vector<char> &has) const
+{
+  std::vector<char> result(has.size(), 0);
+  std::vector<double> most(2 * width * has.size(), -std::numeric_limits<double>::infinity());
+  for (size_t n = 0; n < width * has.size(); n++) {
+    if (!has[n / width]) continue;
+    most[2 * n] = std::isfinite(all[n]) ? all[n] : std::numeric_limits<double>::infinity();
+    most[2 * n + 1] = -all[n];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, most.data(), (int) most.size(), MPI_DOUBLE, MPI_MAX, world);
+  for (size_t n = 0; n < width * has.size(); n++)
+    if (most[2 * n] != -most[2 * n + 1]) result[n / width] = 1;
+  return result;
 }
 
 /* ----------------------------------------------------------------------
@@ -142,6 +212,7 @@ double FixDCMProbe::contact_stiffness()
   for (const int slot : moving) v[(size_t) dcm::STRIDE * slot] = 1.0;
   struct {
     void sum(double *, int) {}
+    void sum_cells(double *) {}
   } alone;    // contacts need no sums over cells
   blocks.merge();
   return blocks.apply(1.0, (size_t) system.nall + 1, v.data(), y.data(), alone);

@@ -27,6 +27,7 @@ constexpr double SINGLE = 2.0e-7;    // three times the round-off of single prec
 struct Alone {
   int sums = 0;
   void sum(double *, int) { sums++; }
+  void sum_cells(double *) { sums++; }
 };
 
 // full matrices over slots 1..n; slot 0 is dropped
@@ -115,7 +116,7 @@ StiffnessSystem random_system(Random &random, int n)
     s.hinges.push_back(b);
   }
   for (int first : {1, 1 + n / 2}) {    // two cells that share no node
-    CellBlock b = {s.nodes.size(), 0, random.uniform()};
+    CellBlock b = {s.nodes.size(), 0, random.uniform(), s.nrows++};
     for (int i = first; i < first + n / 2; i++) {
       s.nodes.push_back({i, {}});
       set(s.nodes.back().g, random.gaussian_vector());
@@ -211,6 +212,7 @@ TEST(StiffnessBlocks, ProductEqualsDenseMatrix)
     EXPECT_EQ(comm.sums, 1);
 
     s.cells.clear();    // no cells, no message
+    s.nrows = 0;
     s.apply(dt, n + 1, p.data(), y.data(), comm);
     EXPECT_EQ(comm.sums, 1);
   }
@@ -296,12 +298,15 @@ TEST(StiffnessBlocks, CellSharedByProcesses)
   {
     const StiffnessSystem s = random_system(random, n);
     whole.cells = s.cells;
+    whole.nrows = s.nrows;
+    whole.cells.front().row = -1;    // one over more than a cell
     whole.nodes = s.nodes;
   }
   StiffnessSystem part[2];
+  part[0].nrows = part[1].nrows = whole.nrows;
   for (int rank : {0, 1})
     for (const auto &b : whole.cells) {
-      CellBlock mine = {part[rank].nodes.size(), 0, b.c};
+      CellBlock mine = {part[rank].nodes.size(), 0, b.c, b.row};
       for (size_t i = b.begin; i < b.end; i++)
         if ((whole.nodes[i].n % 3 == 0) == (rank == 0)) part[rank].nodes.push_back(whole.nodes[i]);
       mine.end = part[rank].nodes.size();
@@ -316,17 +321,23 @@ TEST(StiffnessBlocks, CellSharedByProcesses)
 
   // first round: what each process would send; second: each receives the sum
   struct Listen {
-    std::vector<double> sent;
-    void sum(double *v, int n) { sent.assign(v, v + n); }
+    int nrows = 0;
+    std::vector<double> cells, wide;
+    void sum_cells(double *v) { cells.assign(v, v + nrows); }
+    void sum(double *v, int n) { wide.assign(v, v + n); }
   } sent[2];
+  sent[0].nrows = sent[1].nrows = whole.nrows;
   struct Answer {
-    std::vector<double> total;
-    void sum(double *v, int n) { std::copy(total.begin(), total.begin() + n, v); }
+    std::vector<double> cells, wide;
+    void sum_cells(double *v) { std::copy(cells.begin(), cells.end(), v); }
+    void sum(double *v, int n) { std::copy(wide.begin(), wide.begin() + n, v); }
   } answer;
   VectorXd half[2] = {zero, zero};
   for (int rank : {0, 1}) part[rank].apply(2.0, n + 1, p.data(), half[rank].data(), sent[rank]);
-  for (size_t c = 0; c < whole.cells.size(); c++)
-    answer.total.push_back(sent[0].sent[c] + sent[1].sent[c]);
+  ASSERT_EQ(sent[0].wide.size(), 1u);
+  answer.wide = {sent[0].wide[0] + sent[1].wide[0]};
+  for (int row = 0; row < whole.nrows; row++)
+    answer.cells.push_back(sent[0].cells[row] + sent[1].cells[row]);
   double shares = 0.0;
   for (int rank : {0, 1}) {
     half[rank].setZero();

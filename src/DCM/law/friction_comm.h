@@ -8,6 +8,7 @@
 #ifndef DCM_FRICTION_COMM_H
 #define DCM_FRICTION_COMM_H
 
+#include "cell_sharing.h"
 #include "friction.h"
 
 #include <cstddef>
@@ -20,6 +21,7 @@ namespace dcm {
 class FrictionComm {
  public:
   double seconds = 0.0;    // spent in messages so far
+  CellSharing *cells = nullptr;    // for blocks of whole cells, if there are any
 
   explicit FrictionComm(MPI_Comm _world) : world(_world) { MPI_Comm_size(world, &nprocs); }
 
@@ -144,6 +146,16 @@ class FrictionComm {
     if (nprocs == 1) return;
     const double start = MPI_Wtime();
     MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_DOUBLE, MPI_SUM, world);
+    seconds += MPI_Wtime() - start;
+  }
+
+  // one number per row of the table of cells, over those that own nodes of the cell
+
+  void sum_cells(double *values)
+  {
+    if (nprocs == 1) return;
+    const double start = MPI_Wtime();
+    cells->sum(values, 1, true);
     seconds += MPI_Wtime() - start;
   }
 

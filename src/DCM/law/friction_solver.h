@@ -8,6 +8,7 @@
 //     void forward(double *x);                       // owned slots of a vector -> their copies
 //     void reverse(double *y, int stride, int n);    // add copies to the owned slots, n of stride
 //     void sum(double *values, int n);               // sum over all processes
+//     void sum_cells(double *values);                // see stiffness.h, if there is stiffness
 //   };
 //
 // One iteration costs one forward, one reverse and two sums.

@@ -15,8 +15,10 @@
 // indefinite (tension below zero, the second derivatives of angle and volume, softening of a
 // contact) is left out: that costs accuracy of the step, not its stability.
 // A volume block couples all nodes of a cell: its product needs one number per cell, summed over
-// the processes that share the cells. That message goes through the Communicator of
-// friction_solver.h, of which only sum() is used.
+// the processes that share the cell. That message goes through the Communicator of
+// friction_solver.h, of which only these are used:
+//   void sum_cells(double *values);       // one per row of the table of cells
+//   void sum(double *values, int n);      // for blocks over more than a cell
 // Units: blocks in force/length (nN/um); dt in s turns them into friction.
 
 #ifndef DCM_STIFFNESS_H
@@ -47,10 +49,13 @@ struct CellNode {
 
 /// c G G^T over all nodes of a cell, c >= 0; here are those of this process, numbers begin to
 /// end - 1 of StiffnessSystem::nodes. A node belongs to the process that owns it, and to it alone,
-/// with its full gradient.
+/// with its full gradient. row: number of the cell, the same everywhere. A cell has at most one such
+/// block, on all processes that own atoms of it, even if these are none of its nodes. Without a row:
+/// a block over more than a cell, which all processes have, in the same order.
 struct CellBlock {
   std::size_t begin, end;
   double c;
+  int row = -1;
 };
 
 /* ----------------------------------------------------------------------
@@ -96,7 +101,8 @@ class StiffnessSystem {
   std::vector<EdgeBlock> edges;
   std::vector<ContactBlock> contacts;    ///< slope along u in `normal`; tangential is 0
   std::vector<RankOne<4>> hinges;
-  std::vector<CellBlock> cells;    ///< as many, in the same order and with the same c, everywhere
+  std::vector<CellBlock> cells;
+  int nrows = 0;    ///< numbers of cells are below it; the same everywhere, 0: nowhere any block
   std::vector<CellNode> nodes;     ///< of all cells, those of one cell next to each other
 
   void clear()
@@ -105,6 +111,7 @@ class StiffnessSystem {
     contacts.clear();
     hinges.clear();
     cells.clear();
+    nrows = 0;
     nodes.clear();
   }
 
@@ -123,7 +130,7 @@ class StiffnessSystem {
            (double) sizeof(RankOne<4>) * hinges.capacity() +
            (double) sizeof(CellBlock) * cells.capacity() +
            (double) sizeof(CellNode) * nodes.capacity() +
-           (double) sizeof(double) * (mine.capacity() + whole.capacity()) +
+           (double) sizeof(double) * (mine.capacity() + whole.capacity() + wide.capacity()) +
            (double) sizeof(PackedEdge) * packed_edges.capacity() +
            (double) sizeof(PackedContact) * packed_contacts.capacity() +
            (double) sizeof(PackedHinge) * packed_hinges.capacity();
@@ -131,7 +138,7 @@ class StiffnessSystem {
 
   /// y += dt K p of this process' blocks: to be called after FrictionSystem::apply(), with p known
   /// in all of `n` slots; slots of other processes are then to be added to their owners. Returns
-  /// this process' share of p . dt K p. Collective: one sum over the cells, if there are any.
+  /// this process' share of p . dt K p. Collective: one sum for each cell, if there are any.
   template <class Communicator>
   double apply(double dt, std::size_t n, const double *p, double *y, Communicator &comm)
   {
@@ -139,7 +146,7 @@ class StiffnessSystem {
     for (const auto &b : packed_edges) power += b.product(dt, p, y);
     for (const auto &b : packed_contacts) power += b.product(dt, p, y);
     for (const auto &b : packed_hinges) power += b.product(dt, p, y);
-    if (!cells.empty()) power += apply_cells(dt, p, y, comm);
+    if (nrows > 0 || !cells.empty()) power += apply_cells(dt, p, y, comm);
     for (int k = 0; k < STRIDE; k++) y[k] = 0.0;    // slot 0 is fixed
     for (std::size_t i = 1; i < n; i++) y[STRIDE * i + 3] = 0.0;
     return power;
@@ -161,7 +168,8 @@ class StiffnessSystem {
   std::vector<PackedEdge> packed_edges;
   std::vector<PackedContact> packed_contacts;
   std::vector<PackedHinge> packed_hinges;
-  std::vector<double> mine, whole;    // G . p per cell: of this process, of all
+  std::vector<double> mine, whole, wide;    // G . p: of this process, per block; of all, per row and
+                                            // per block without one
 
   template <class Block, class Packed>
   static void pack(const std::vector<Block> &blocks, std::vector<Packed> &packed)
@@ -175,16 +183,24 @@ class StiffnessSystem {
   double apply_cells(double dt, const double *p, double *y, Communicator &comm)
   {
     mine.assign(cells.size(), 0.0);
-    for (std::size_t c = 0; c < cells.size(); c++)
+    whole.resize(nrows);
+    wide.clear();
+    for (std::size_t c = 0; c < cells.size(); c++) {
       for (std::size_t i = cells[c].begin; i < cells[c].end; i++)
         for (int k = 0; k < 3; k++)
           mine[c] += nodes[i].g[k] * p[STRIDE * (std::size_t) nodes[i].n + k];
-    whole = mine;
-    comm.sum(whole.data(), (int) whole.size());
+      if (cells[c].row < 0)
+        wide.push_back(mine[c]);
+      else
+        whole[cells[c].row] = mine[c];
+    }
+    if (nrows > 0) comm.sum_cells(whole.data());
+    if (!wide.empty()) comm.sum(wide.data(), (int) wide.size());
 
     double power = 0.0;
+    std::size_t next = 0;
     for (std::size_t c = 0; c < cells.size(); c++) {
-      const double f = dt * cells[c].c * whole[c];
+      const double f = dt * cells[c].c * (cells[c].row < 0 ? wide[next++] : whole[cells[c].row]);
       for (std::size_t i = cells[c].begin; i < cells[c].end; i++)
         for (int k = 0; k < 3; k++) y[STRIDE * (std::size_t) nodes[i].n + k] += f * nodes[i].g[k];
       power += f * mine[c];
