@@ -249,6 +249,8 @@ def draw(rows, path):
                              label=f"{key[0]} {key[1]}")  # fmt: skip
     axes[1].axhline(1.0, color="k", lw=0.8)
     axes[1].set(xlabel="pressure (kPa)", ylabel="volumes of the cells / cube", xscale="log")
+    axes[1].set_xticks(PRESSURES, [f"{p:g}" for p in PRESSURES])
+    axes[1].minorticks_off()
     for key, runs in sorted(runs_of(rows, "plates").items()):
         for r in runs.values():
             points = sorted((float(k[3:]), v) for k, v in r.items() if k.startswith("at "))

@@ -59,8 +59,12 @@ def test_1_2_and_4_ranks_agree(lmp, scenes, boundary):
                 assert b[key] == pytest.approx(a[key], rel=1e-9), (np_, a["Step"], key)
 
 
-def test_mirror_images_stay_mirror_images(lmp, scenes):
-    """Two cells, meshes and places each other's mirror image in x = 0, adhere."""
+@pytest.mark.parametrize("options, dt, steps", [
+    ("", 1.0, 500), ("scheme implicit maxmove 1", 20.0, 50),
+    ("scheme implicit maxmove 3", 200.0, 20)])
+def test_mirror_images_stay_mirror_images(lmp, scenes, options, dt, steps):
+    """Two cells, meshes and places each other's mirror image in x = 0, adhere; also in steps ten
+    and a hundred times as long as the explicit scheme stands."""
     nodes, faces = scenes.icosphere(2)
     q, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
     nodes = nodes @ (q * np.sign(np.linalg.det(q)))
@@ -74,10 +78,10 @@ def test_mirror_images_stay_mirror_images(lmp, scenes):
     deck = (
         scene.head()
         + scene.forces()
-        + scene.motion()
-        + scenes.dump("id mol type x y z vx vy vz fx fy fz", 100)
-        + scenes.thermo(["press"], 100)
-        + "timestep 1.0\nrun 500\n"
+        + scene.motion(options=f"tolerance 1e-12 {options}")
+        + scenes.dump("id mol type x y z vx vy vz fx fy fz", steps // 5)
+        + scenes.thermo(["press"], steps // 5)
+        + f"timestep {dt}\nrun {steps}\n"
     )
     frames = lmp(deck, files=files).dump()
     flip = np.array([-1, 1, 1])
