@@ -524,8 +524,8 @@ double DCMCellTable::memory_usage() const
 {
   double bytes = (double) cells.capacity() * sizeof(Cell);
   bytes += (double) packed.capacity() * sizeof(double);
-  bytes += (double) (deformable_rows.capacity() + here.capacity() + elsewhere.capacity()) *
-           sizeof(int);
+  bytes +=
+      (double) (deformable_rows.capacity() + here.capacity() + elsewhere.capacity()) * sizeof(int);
   each_column([&bytes](const DCMColumn &column) {
     bytes += (double) column.values.capacity() * sizeof(double);
   });

@@ -81,9 +81,9 @@ class DCMCellTable : protected Pointers {
     tagint molecule, tag;    // tag: of the center or sphere
     int type, mask;          // of that atom
     bool deformable;
-    int nnodes, nfaces;    // 0: a sphere
-    double volume0;        // rest volume; sphere: its volume
-    double built0;         // that when the neighbor lists were last built
+    int nnodes, nfaces;     // 0: a sphere
+    double volume0;         // rest volume; sphere: its volume
+    double built0;          // that when the neighbor lists were last built
     double volume, area;    // these and x: see above
     double x[3];    // deformable: mean of the nodes, unwrapped next to the center atom; sphere:
                     // where it was at the last rebuild, wrapped
@@ -179,9 +179,9 @@ class DCMCellTable : protected Pointers {
   void measured(int row, double volume, double area, const double *x);
   void counted(int row, int nnodes, int nfaces);
   void place(int row, const double *x);
-  void set_here(const std::vector<int> &rows);    // deformable ones, ascending
-  void begin_step();    // zeros for columns EACH_STEP
-  void update_all(const std::vector<int> &mine);    // collective; mine: rows this process stands for
+  void set_here(const std::vector<int> &rows);      // deformable ones, ascending
+  void begin_step();                                // zeros for columns EACH_STEP
+  void update_all(const std::vector<int> &mine);    // collective; rows this process stands for
   void put(class DCMRecord &) const;
   void get(class DCMRecord &);
   void forget_saved() { saved = Saved(); }
@@ -199,7 +199,8 @@ class DCMCellTable : protected Pointers {
   } saved;
 
   std::vector<Cell> cells;    // sorted by molecule
-  std::vector<int> deformable_rows, here, elsewhere;    // the latter two: on this process, not on it
+  std::vector<int> deformable_rows;
+  std::vector<int> here, elsewhere;       // deformable ones on this process, and not on it
   bool current = true, erased = false;    // what is measured elsewhere: up to date, not a number
   bigint nchanges = 0;
   std::vector<double> packed;

@@ -44,7 +44,8 @@ static constexpr int NSUM = 5;    // per cell: volume, area, displacement of the
 
 /* ---------------------------------------------------------------------- */
 
-FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), table(lmp), sharing(world)
+FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), table(lmp), sharing(world)
 {
   dcm = AtomVecDCM::require(lmp, "Fix dcm/cell");
   DCMArgs args(lmp, "Fix dcm/cell", narg - 3, arg + 3, {"types"});

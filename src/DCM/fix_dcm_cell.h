@@ -109,9 +109,10 @@ class FixDCMCell : public Fix {
 
   // sums over the processes, `width` numbers per row of the table, of deformable cells only.
   // sum: all rows, over all processes; for what is not done in every step. sum_shared: only rows of
-  // cells that have atoms here, ghosts included (DCMCellTable::deformable); sum_owned: only of cells
-  // that own atoms here, as needed for forces on them. The latter two cost what is near, and are the
-  // same to the last bit on all that share a cell. begin_sum makes room and zeros for these two
+  // cells that have atoms here, ghosts included (DCMCellTable::deformable); sum_owned: only of
+  // cells that own atoms here, as needed for forces on them. The latter two cost what is near, and
+  // are the same to the last bit on all that share a cell. begin_sum makes room and zeros for these
+  // two
 
   void sum(std::vector<double> &values, int width);
   void begin_sum(std::vector<double> &values, int width) const;
@@ -183,7 +184,7 @@ class FixDCMCell : public Fix {
   std::vector<double> cell_sums, packed;
   dcm::CellSharing sharing;
   std::vector<int> centers;
-  std::vector<char> parts;    // what there is here of each cell
+  std::vector<char> parts;                  // what there is here of each cell
   std::vector<int> first_around, around;    // faces around each node, by the atom map's copy of it
   std::vector<int> image_kind;
   std::vector<double> image_values;

@@ -112,7 +112,8 @@ void FixDCMMotion::look_ahead(double dt)
 /* ----------------------------------------------------------------------
    how the cells move: mean velocity of a deformable cell's nodes and the speed at which its surface
    moves outward on the mean, or of its sphere; 4 numbers per row of the table, for cells that have
-   atoms here and spheres that are owned. What nodes do within a surface decays fast and leaves no trace
+   atoms here and spheres that are owned. What nodes do within a surface decays fast and leaves no
+   trace
 ------------------------------------------------------------------------- */
 
 void FixDCMMotion::measure_cells(std::vector<double> &motion)

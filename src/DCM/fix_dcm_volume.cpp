@@ -331,8 +331,7 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
     next += begin[c];
     begin[c] = first;
     if (acts_on(it))
-      system.cells.push_back(
-          {first, next, dcm::pressure_stiffness(K_V[it.type], it.volume), c});
+      system.cells.push_back({first, next, dcm::pressure_stiffness(K_V[it.type], it.volume), c});
   }
   system.nodes.resize(next);
   for (int s = 1; s <= nowned; s++) {

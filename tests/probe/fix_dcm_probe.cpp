@@ -155,7 +155,7 @@ void FixDCMProbe::look_at_sharing()
   for (const int row : table.deformable()) {
     values[SHARES] += 1.0;
     differ[row] |= differ_owned[row] || !touched[row] || sums[2 * row] != table[row].nnodes ||
-        (owned[row] && owned_sums[2 * row + 1] != sums[2 * row + 1]);
+                   (owned[row] && owned_sums[2 * row + 1] != sums[2 * row + 1]);
   }
   for (const int row : table.all_deformable()) {
     if (differ[row]) values[DIFFER] += 1.0;

@@ -52,7 +52,7 @@ class FixDCMProbe : public Fix {
     PAIR_AREA,    // sum over them
     STIFFNESS,    // v K v of contacts, with the cell of molecule 1 moving along x by 1
     SHARES,       // processes that a deformable cell has atoms on, summed over cells
-    DIFFER,       // cells whose shared or owned sum is not the same, to the last bit, on all of these
+    DIFFER,       // cells whose shared or owned sum is not the same, bit for bit, on all of these
     ELSEWHERE,    // deformable cells without atoms on a process, summed over processes
     BLANK,        // of them those whose volume is no number there before it is asked for
     UNEQUAL,      // cells whose measures then are not the same on all processes

@@ -163,8 +163,8 @@ def test_dumps_by_time_are_met(lmp, scenes):
 
 
 def energy_balance(lmp, scenes, dt, seconds=48):
-    """Elastic energy that a stretched cell loses as it relaxes, and the sum of dt F.v over the
-    steps."""
+    """Elastic energy that a stretched cell loses as it relaxes, from 20 s on, and the sum of dt F.v
+    over the steps."""
     scene = scenes.single_cell(level=2, boundary="f f f", box=15.0)
     result = lmp(
         scene.head() + scene.cortex() + "comm_modify cutoff 8\nfix cell all dcm/cell\n"
@@ -173,7 +173,8 @@ def energy_balance(lmp, scenes, dt, seconds=48):
         + scene.motion(options="tolerance 1e-12 scheme implicit maxmove 1")
         + "variable fv atom fx*vx+fy*vy+fz*vz\ncompute power nodes reduce sum v_fv\n"
         + scenes.thermo(["pe", "E=ebond+edihed+f_volume", "p=c_power"])
-        + f"timestep {dt}\nrun {round(seconds / dt)}\n").thermo
+        + f"timestep 0.1\nrun 200\ntimestep {dt}\nrun {round(seconds / dt)}\n").thermo
+    result = [row for row in result if row["Step"] >= 200][-round(seconds / dt) - 1:]
     lost = result[0]["v_E"] - result[-1]["v_E"]
     return lost, dt * sum(row["v_p"] for row in result[:-1])
 
@@ -184,7 +185,7 @@ def test_energy_balance_is_of_first_order(lmp, scenes):
     gaps = []
     for dt in (4.0, 2.0, 1.0, 0.5):
         lost, work = energy_balance(lmp, scenes, dt)
-        assert lost > 0.1 and work > 0.0
+        assert lost > 0.1 and work > 0.0, (lost, work)
         gaps.append(abs(work - lost) / lost)
     assert gaps[-1] < 0.02
     for coarse, fine in zip(gaps, gaps[1:], strict=False):

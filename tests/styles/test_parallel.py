@@ -59,10 +59,10 @@ def test_1_2_and_4_ranks_agree(lmp, scenes, boundary):
                 assert b[key] == pytest.approx(a[key], rel=1e-9), (np_, a["Step"], key)
 
 
-@pytest.mark.parametrize("options, dt, steps", [
-    ("", 1.0, 500), ("scheme implicit maxmove 1", 20.0, 50),
-    ("scheme implicit maxmove 3", 200.0, 20)])
-def test_mirror_images_stay_mirror_images(lmp, scenes, options, dt, steps):
+@pytest.mark.parametrize("options, dt, steps, bound", [
+    ("", 1.0, 500, 1e-9), ("scheme implicit maxmove 1", 20.0, 50, 1e-7),
+    ("scheme implicit maxmove 3", 200.0, 20, 1e-7)])    # factors of K are in single precision
+def test_mirror_images_stay_mirror_images(lmp, scenes, options, dt, steps, bound):
     """Two cells, meshes and places each other's mirror image in x = 0, adhere; also in steps ten
     and a hundred times as long as the explicit scheme stands."""
     nodes, faces = scenes.icosphere(2)
@@ -87,6 +87,6 @@ def test_mirror_images_stay_mirror_images(lmp, scenes, options, dt, steps):
     flip = np.array([-1, 1, 1])
     for frame in frames:
         left, right = frame["mol"] == 1, frame["mol"] == 2
-        assert np.abs(frame.x[left] - frame.x[right] * flip).max() < 1e-9
+        assert np.abs(frame.x[left] - frame.x[right] * flip).max() < bound
     first, last = frames[0], frames[-1]
     assert np.abs(last.x - first.x).max() > 0.1  # something happened

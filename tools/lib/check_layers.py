@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 LAW = Path("src/DCM/law")
-MPI = {"friction_comm.h"}  # the one law that speaks MPI: messages of the friction solver
+MPI = {"friction_comm.h", "cell_sharing.h"}  # the two that speak MPI
 
 
 def fault(header, name, quoted):

@@ -164,7 +164,7 @@ class CellSharing {
   MPI_Comm world;
   int me, nprocs;
   std::vector<Peer> peers;
-  std::vector<int> ours, mine;    // rows whose sum has parts of others: with atoms owned here, without
+  std::vector<int> ours, mine;    // rows with parts of others: with atoms owned here, without
   std::vector<MPI_Request> requests;
 
   int office(int row, int nrows) const { return (int) ((long long) row * nprocs / nrows); }

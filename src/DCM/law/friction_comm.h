@@ -20,7 +20,7 @@ namespace dcm {
 
 class FrictionComm {
  public:
-  double seconds = 0.0;    // spent in messages so far
+  double seconds = 0.0;            // spent in messages so far
   CellSharing *cells = nullptr;    // for blocks of whole cells, if there are any
 
   explicit FrictionComm(MPI_Comm _world) : world(_world) { MPI_Comm_size(world, &nprocs); }

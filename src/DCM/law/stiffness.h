@@ -49,9 +49,9 @@ struct CellNode {
 
 /// c G G^T over all nodes of a cell, c >= 0; here are those of this process, numbers begin to
 /// end - 1 of StiffnessSystem::nodes. A node belongs to the process that owns it, and to it alone,
-/// with its full gradient. row: number of the cell, the same everywhere. A cell has at most one such
-/// block, on all processes that own atoms of it, even if these are none of its nodes. Without a row:
-/// a block over more than a cell, which all processes have, in the same order.
+/// with its full gradient. row: number of the cell, the same everywhere. A cell has at most one
+/// such block, on all processes that own atoms of it, even if these are none of its nodes. Without
+/// a row: a block over more than a cell, which all processes have, in the same order.
 struct CellBlock {
   std::size_t begin, end;
   double c;
@@ -103,7 +103,7 @@ class StiffnessSystem {
   std::vector<RankOne<4>> hinges;
   std::vector<CellBlock> cells;
   int nrows = 0;    ///< numbers of cells are below it; the same everywhere, 0: nowhere any block
-  std::vector<CellNode> nodes;     ///< of all cells, those of one cell next to each other
+  std::vector<CellNode> nodes;    ///< of all cells, those of one cell next to each other
 
   void clear()
   {
@@ -168,8 +168,8 @@ class StiffnessSystem {
   std::vector<PackedEdge> packed_edges;
   std::vector<PackedContact> packed_contacts;
   std::vector<PackedHinge> packed_hinges;
-  std::vector<double> mine, whole, wide;    // G . p: of this process, per block; of all, per row and
-                                            // per block without one
+  std::vector<double> mine, whole, wide;    // G . p: of this process, per block; of all, per row
+                                            // and per block without one
 
   template <class Block, class Packed>
   static void pack(const std::vector<Block> &blocks, std::vector<Packed> &packed)
