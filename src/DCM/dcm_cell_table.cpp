@@ -209,7 +209,19 @@ void DCMCellTable::reserve_molecules()
   tagint last = 0;
   for (int i = 0; i < atom->nlocal; i++) last = std::max(last, atom->molecule[i]);
   MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_LMP_TAGINT, MPI_MAX, world);
-  next_molecule = std::max(next_molecule, last + 1);
+  if (last < MAXTAGINT) next_molecule = std::max(next_molecule, last + 1);
+  // IDs count on from the highest: at the end of the range there is none left
+  if (last == MAXTAGINT) next_molecule = MAXTAGINT;
+}
+
+tagint DCMCellTable::new_molecule()
+{
+  if (next_molecule >= MAXTAGINT)
+    error->all(FLERR,
+               "{}: no molecule IDs are left for new cells at step {}: they count on from the "
+               "highest, {}; give the cells lower ones, with 'set ... mol' or 'reset_atoms mol'",
+               STYLE, update->ntimestep, MAXTAGINT);
+  return next_molecule++;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -15,6 +15,7 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "dcm_args.h"
+#include "dcm_deck_check.h"
 #include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "dcm_rest_file.h"
@@ -62,13 +63,15 @@ FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg),
   comm_forward = 4;
   comm_reverse = NCURVATURE;
   restart_global = 1;
+  stores_ids = 1;    // of vertices, which reset_atoms id does not know
 }
 
 FixDCMCell::~FixDCMCell() = default;
 
 int FixDCMCell::setmask()
 {
-  return PRE_NEIGHBOR | PRE_FORCE | MIN_PRE_NEIGHBOR | MIN_PRE_FORCE;
+  return PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE | MIN_PRE_EXCHANGE | MIN_PRE_NEIGHBOR |
+      MIN_PRE_FORCE;
 }
 
 FixDCMCell *FixDCMCell::find(LAMMPS *lmp)
@@ -140,6 +143,7 @@ void FixDCMCell::init()
   dcm = AtomVecDCM::require(lmp, "Fix dcm/cell");
   if (!force->newton_pair || !force->newton_bond)
     error->all(FLERR, "Fix dcm/cell needs newton on for pairs and bonds; remove 'newton off'");
+  dcm_check_deck(lmp, STYLE);
   if (update->whichflag == 2) check_minimize();
   table.reserve_molecules();
 }
@@ -153,6 +157,7 @@ void FixDCMCell::setup_pre_force(int vflag)
 {
   pre_force(vflag);
   check_surfaces();
+  check_topology();
   table.forget_saved();
 }
 
@@ -221,6 +226,7 @@ void FixDCMCell::count_members()
   for (int i = 0; i < nall; i++) {
     const int kind = dcm->kind[i];
     if (kind == AtomVecDCM::SPHERE && spheres) cell_of_atom[i] = table.find(atom->molecule[i]);
+    if (kind < AtomVecDCM::SPHERE || kind > AtomVecDCM::TRACER) wrong_kind(i);
     if (kind != AtomVecDCM::NODE && kind != AtomVecDCM::FACE && kind != AtomVecDCM::CENTER)
       continue;
     if (last < 0 || table[last].molecule != atom->molecule[i]) last = table.find(atom->molecule[i]);
@@ -230,7 +236,12 @@ void FixDCMCell::count_members()
                  "whole cells only",
                  kind == AtomVecDCM::NODE ? "node" : "face", atom->tag[i], atom->molecule[i]);
     cell_of_atom[i] = last;
-    if (i < atom->nlocal && kind == AtomVecDCM::NODE) cell_sums[2 * last] += 1.0;
+    if (i < atom->nlocal && kind == AtomVecDCM::NODE) {
+      cell_sums[2 * last] += 1.0;
+      const bigint stamp = AtomVecDCM::stamp(atom, i);
+      if (dcm->bonded[i] == 0) dcm->bonded[i] = stamp;
+      if (dcm->bonded[i] != stamp) adopt_bonds(i);
+    }
     if (i < atom->nlocal && kind == AtomVecDCM::FACE) cell_sums[2 * last + 1] += 1.0;
   }
   sum(cell_sums, 2);
@@ -332,11 +343,12 @@ int FixDCMCell::modify_param(int narg, char **arg)
   const bool writing = strcmp(arg[0], "rest/write") == 0;
   if (!writing && strcmp(arg[0], "rest/read") != 0) return 0;
   if (narg < 2) error->all(FLERR, "Fix_modify {} {} needs a file name", id, arg[0]);
+  const bool partial = !writing && narg > 2 && strcmp(arg[2], "partial") == 0;
   if (writing)
     dcm_write_rest_file(lmp, arg[1]);
   else
-    dcm_read_rest_file(lmp, arg[1]);
-  return 2;
+    dcm_read_rest_file(lmp, arg[1], partial);
+  return partial ? 3 : 2;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -49,6 +49,7 @@ class FixDCMCell : public Fix {
   ~FixDCMCell() override;
   int setmask() override;
   void init() override;
+  void setup_pre_exchange() override;
   void setup_pre_neighbor() override;
   void pre_neighbor() override;
   void setup_pre_force(int) override;
@@ -170,11 +171,15 @@ class FixDCMCell : public Fix {
   void build_faces();
   void build_adjacency();
   void missing_vertex(int, tagint);
+  void wrong_vertex(int, int);
+  void wrong_kind(int);
+  void adopt_bonds(int);
   void move_faces();
   void measure_faces();
   void measure_cells();
   void measure_curvature();
   void check_surfaces();
+  void check_topology();
   void check_minimize();
 };
 

@@ -20,6 +20,7 @@
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "irregular.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "update.h"
@@ -45,10 +46,55 @@ void FixDCMCell::missing_vertex(int i, tagint vertex)
                "the ghost cutoff {:.4} is below an edge length; set 'comm_modify cutoff {:.4}'",
                vertex, atom->tag[i], atom->molecule[i], update->ntimestep, cutoff, need);
   error->one(FLERR,
-             "Fix dcm/cell: vertex {} of face {} (cell {}) does not exist at step {}: it was "
-             "deleted (delete whole cells only), is missing in the data file, or was lost through "
-             "a fixed boundary (use 'boundary s' or p, or reduce the timestep)",
-             vertex, atom->tag[i], atom->molecule[i], update->ntimestep);
+             "Fix dcm/cell: vertex {} of face {} (cell {}) does not exist at step {}: {}", vertex,
+             atom->tag[i], atom->molecule[i], update->ntimestep,
+             vertex < 1 ? "atom IDs were changed by 'reset_atoms id' before fix dcm/cell was "
+                          "defined, which vertices of faces do not follow; leave it out"
+                        : "it was deleted (delete whole cells only), is missing in the data file, "
+                          "was given another ID ('reset_atoms id' does not know the vertices of "
+                          "faces), or was lost through a fixed boundary (use 'boundary s' or p, or "
+                          "reduce the timestep)");
+}
+
+/* ----------------------------------------------------------------------
+   atoms at a rebuild that are not what they should be
+------------------------------------------------------------------------- */
+
+static const char *const KINDS[] = {"atom", "sphere", "center", "node", "face", "tracer"};
+
+void FixDCMCell::wrong_vertex(int face, int vertex)
+{
+  error->one(FLERR,
+             "Fix dcm/cell: face {} of cell {} has vertex {}, which is a {} of cell {} at step {}; "
+             "a face has three nodes of its own cell: correct the data file, and leave "
+             "'reset_atoms id' out, which vertices of faces do not follow",
+             atom->tag[face], atom->molecule[face], atom->tag[vertex], KINDS[dcm->kind[vertex]],
+             atom->molecule[vertex], update->ntimestep);
+}
+
+void FixDCMCell::wrong_kind(int i)
+{
+  error->one(FLERR,
+             "Fix dcm/cell: atom {} has kind {} at step {}: it was made by a command or fix that "
+             "does not know cells; make cells with create_cells",
+             atom->tag[i], dcm->kind[i], update->ntimestep);
+}
+
+/* ----------------------------------------------------------------------
+   Where the box follows the atoms, a run may begin in a much smaller one than the deck gave, and
+   atoms be far from their process. LAMMPS hands them to the next one only and loses the others.
+------------------------------------------------------------------------- */
+
+void FixDCMCell::setup_pre_exchange()
+{
+  if (comm->nprocs == 1 || domain->nonperiodic != 2) return;
+  if (domain->triclinic) domain->x2lamda(atom->nlocal);
+  domain->pbc();
+  domain->reset_box();
+  Irregular irregular(lmp);
+  if (comm->layout != LAMMPS_NS::Comm::LAYOUT_TILED && irregular.migrate_check())
+    irregular.migrate_atoms(1);
+  if (domain->triclinic) domain->lamda2x(atom->nlocal);
 }
 
 /* ----------------------------------------------------------------------
