@@ -62,9 +62,8 @@ AtomVecDCM::AtomVecDCM(LAMMPS *lmp) : AtomVec(lmp)
   data = arrays_of(atom);
   *data = DCMAtoms();
 
-  for (const char *name :
-       {"dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0", "dcm_theta0",
-        "dcm_bonded"})
+  for (const char *name : {"dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0",
+                           "dcm_theta0", "dcm_bonded"})
     forget_peratom(atom, name);
   const int tagtype = (sizeof(tagint) == 8) ? Atom::BIGINT : Atom::INT;
   atom->add_peratom("dcm_kind", &data->kind, Atom::INT, 0);
@@ -271,7 +270,9 @@ bigint AtomVecDCM::stamp(const Atom *atom, int i, int nbonds, int ndihedrals)
 {
   const tagint tag = atom->tag[i];
   uint64_t hash = 0;
-  auto add = [&hash](tagint value) { hash = dcm_mix(hash ^ (uint64_t) value); };
+  auto add = [&hash](tagint value) {
+    hash = dcm_mix(hash ^ (uint64_t) value);
+  };
   for (int m = 0; m < nbonds; m++) {
     add(atom->bond_type[i][m] > 0);
     add(atom->bond_atom[i][m] - tag);

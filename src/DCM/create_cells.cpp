@@ -107,7 +107,7 @@ void CreateCells::command(int narg, char **arg)
   if (last[1] > MAXTAGINT - (tagint) requests.size())
     error->all(FLERR,
                "Create_cells: no molecule IDs are left for {} new cells: they count on from the "
-               "highest, {}; give the atoms lower ones, with 'set ... mol' or 'reset_atoms mol'",
+               "highest, {}; give the cells lower ones with 'set group ... mol'",
                requests.size(), last[1]);
   tagint tag = last[0] + 1, molecule = last[1] + 1;
   for (const auto &request : requests) {

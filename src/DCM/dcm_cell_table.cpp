@@ -136,8 +136,11 @@ void DCMCellTable::refresh(bool spheres)
   for (const auto &it : gather(lmp, spheres)) {
     const bool again = !rows.empty() && rows.back().molecule == it.molecule;
     if (again && it.deformable && rows.back().deformable)
-      error->all(FLERR, "Fix dcm/cell: cell {} has two center atoms, {} and {}", it.molecule,
-                 rows.back().tag, it.tag);
+      error->all(
+          FLERR,
+          "Fix dcm/cell: cell {} has two center atoms, {} and {}; every cell needs a "
+          "molecule ID of its own, from 1 ('reset_atoms mol' knows bonds only: leave it out)",
+          it.molecule, rows.back().tag, it.tag);
     if (again || it.molecule <= 0) doubled = it.molecule > 0 ? it.molecule : -1;
     if (again && !it.deformable) continue;    // spheres without an ID of their own are nobody's row
     if (it.molecule <= 0 && !it.deformable) continue;
@@ -219,7 +222,7 @@ tagint DCMCellTable::new_molecule()
   if (next_molecule >= MAXTAGINT)
     error->all(FLERR,
                "{}: no molecule IDs are left for new cells at step {}: they count on from the "
-               "highest, {}; give the cells lower ones, with 'set ... mol' or 'reset_atoms mol'",
+               "highest, {}; give the cells lower ones with 'set group ... mol'",
                STYLE, update->ntimestep, MAXTAGINT);
   return next_molecule++;
 }

@@ -45,6 +45,13 @@ static void check_neighbor(LAMMPS *lmp, const std::string &asking)
                     "{}: neigh_modify include {} would leave contacts of other cells out; remove "
                     "'include' from neigh_modify",
                     asking, lmp->group->names[neighbor->includegroup]);
+  for (int n = 0; n < neighbor->nex_mol; n++)
+    if (neighbor->ex_mol_group[n] == 0 && !neighbor->ex_mol_intra[n])
+      lmp->error->all(
+          FLERR,
+          "{}: neigh_modify exclude molecule/inter all would leave out every contact of "
+          "two cells; remove it ('neigh_modify exclude none')",
+          asking);
 }
 
 static void check_kinds(LAMMPS *lmp, const std::string &asking)

@@ -185,8 +185,10 @@ void DCMParameters::read_line(const std::string &line, std::string &current)
   if (words[0] == "celltype" && words.size() == 2) {
     current = words[1];
     if (current.find(':') != std::string::npos || current == "NULL")
-      error->all(FLERR, "{}: {}: a cell type cannot have this name: ':' stands before a region, and "
-                 "NULL for no cell type", asking, where);
+      error->all(FLERR,
+                 "{}: {}: a cell type cannot have this name: ':' stands before a region, and "
+                 "NULL for no cell type",
+                 asking, where);
     if (types.count(current))
       error->all(FLERR, "{}: {}: there is a cell type of this name above already", asking, where);
     types[current];

@@ -24,7 +24,9 @@ std::string LAMMPS_NS::dcm_replace_text(const std::string &path, const std::stri
 
   std::error_code none;
   const bool special = fs::exists(path, none) && !fs::is_regular_file(path, none);
-  const fs::path target = fs::is_symlink(path, none) ? fs::weakly_canonical(path, none) : fs::path(path);
+  fs::path target = path;
+  for (int n = 0; n < 10 && fs::is_symlink(target, none); n++)    // also one to nowhere
+    target = target.parent_path() / fs::read_symlink(target, none);
   const std::string name = special ? path : target.string() + ".part";
 
   FILE *const fp = fopen(name.c_str(), "w");
@@ -40,10 +42,10 @@ std::string LAMMPS_NS::dcm_replace_text(const std::string &path, const std::stri
   return fault;
 }
 
-void LAMMPS_NS::dcm_bcast(MPI_Comm world, std::string &text)
+void LAMMPS_NS::dcm_bcast(MPI_Comm world, std::string &text, int root)
 {
   int size = (int) text.size();
-  MPI_Bcast(&size, 1, MPI_INT, 0, world);
+  MPI_Bcast(&size, 1, MPI_INT, root, world);
   text.resize(size);
-  MPI_Bcast(&text[0], size, MPI_CHAR, 0, world);
+  MPI_Bcast(&text[0], size, MPI_CHAR, root, world);
 }

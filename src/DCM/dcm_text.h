@@ -45,14 +45,14 @@ inline bool dcm_read_text(Comm *comm, MPI_Comm world, const std::string &path, s
   return true;
 }
 
-// write a file whole or not at all: a full disk leaves the old one. By one rank; the fault that kept
-// it from being written, "" if none did
+// write a file whole or not at all: a full disk leaves the old one. By one rank; the fault that
+// kept it from being written, "" if none did
 
 std::string dcm_replace_text(const std::string &path, const std::string &text);
 
-// give all ranks the text of rank 0
+// give all ranks the text of one
 
-void dcm_bcast(MPI_Comm world, std::string &text);
+void dcm_bcast(MPI_Comm world, std::string &text, int root = 0);
 
 }    // namespace LAMMPS_NS
 

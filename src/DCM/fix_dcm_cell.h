@@ -23,6 +23,7 @@ FixStyle(dcm/cell,FixDCMCell);
 
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -173,7 +174,18 @@ class FixDCMCell : public Fix {
   void missing_vertex(int, tagint);
   void wrong_vertex(int, int);
   void wrong_kind(int);
-  void adopt_bonds(int);
+  bool adopt_bonds(int);
+  void check_width();
+
+  // what is wrong with atoms at a rebuild: of a run an error at once, at its start that of the
+  // lowest ID, so that there is one, the same on any number of processes
+
+  struct Fault {
+    tagint tag = 0;
+    std::string text;
+  } first_fault;
+  void fault(tagint tag, const std::string &text);
+  void report_fault();
   void move_faces();
   void measure_faces();
   void measure_cells();

@@ -8,8 +8,8 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-// Do bonds and dihedrals of deformable cells fit their faces? Every edge of a surface is one bond of
-// the cortex and one dihedral, which bends it.
+// Do bonds and dihedrals of deformable cells fit their faces? Every edge of a surface is one bond
+// of the cortex and one dihedral, which bends it.
 
 #include "fix_dcm_cell.h"
 
@@ -22,8 +22,6 @@
 #include "dihedral_dcm_bend.h"
 #include "error.h"
 #include "force.h"
-#include "update.h"
-#include "utils.h"
 
 #include <algorithm>
 #include <array>
@@ -65,7 +63,7 @@ template <class Style> static bool has_type(const Style *style, int type)
    hybrid one; all else was moved to another slot, or is no edge
 ------------------------------------------------------------------------- */
 
-void FixDCMCell::adopt_bonds(int i)
+bool FixDCMCell::adopt_bonds(int i)
 {
   const auto *const cortex = dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex"));
   const auto *const bend = dynamic_cast<DihedralDCMBend *>(force->dihedral_match("dcm/bend"));
@@ -80,14 +78,9 @@ void FixDCMCell::adopt_bonds(int i)
       for (int m = p; m < nbonds; m++) dcm->l0[i][m] = AtomVecDCM::UNSET_L0;
       for (int m = q; m < ndihedrals; m++) dcm->theta0[i][m] = AtomVecDCM::UNSET_THETA0;
       dcm->bonded[i] = AtomVecDCM::stamp(atom, i);
-      return;
+      return true;
     }
-  error->one(FLERR,
-             "Fix dcm/cell: the bonds or dihedrals of node {} (cell {}) were edited before step "
-             "{}; rest lengths and angles of cells do not follow delete_bonds, create_bonds, "
-             "'reset_atoms id' and fixes that change bonds: leave these out, or use a bond style "
-             "of their own for other bonds (bond_style hybrid)",
-             atom->tag[i], atom->molecule[i], update->ntimestep);
+  return false;
 }
 
 /* ----------------------------------------------------------------------
@@ -113,15 +106,14 @@ void FixDCMCell::check_topology()
   auto each_bond = [this, cortex](auto &&use) {
     for (int i = 0; i < atom->nlocal; i++)
       for (int m = 0; m < atom->num_bond[i]; m++)
-        if (has_type(cortex, atom->bond_type[i][m]))
-          use(i, atom->tag[i], atom->bond_atom[i][m]);
+        if (has_type(cortex, atom->bond_type[i][m])) use(i, atom->tag[i], atom->bond_atom[i][m]);
   };
   auto each_hinge = [this, bend](auto &&use) {
     for (int i = 0; i < atom->nlocal; i++)
       for (int m = 0; m < atom->num_dihedral[i]; m++)
         if (has_type(bend, atom->dihedral_type[i][m]))
-          use(i, atom->dihedral_atom1[i][m], atom->dihedral_atom2[i][m],
-              atom->dihedral_atom3[i][m], atom->dihedral_atom4[i][m]);
+          use(i, atom->dihedral_atom1[i][m], atom->dihedral_atom2[i][m], atom->dihedral_atom3[i][m],
+              atom->dihedral_atom4[i][m]);
   };
 
   tagint stray = 0;
@@ -134,7 +126,9 @@ void FixDCMCell::check_topology()
 
   std::vector<uint64_t> open(2 * table.size(), 0);
   if (cortex) {
-    each_face([&open](int c, tagint a, tagint b, tagint) { open[2 * c] += Side(a, b).hash(); });
+    each_face([&open](int c, tagint a, tagint b, tagint) {
+      open[2 * c] += Side(a, b).hash();
+    });
     each_bond([&](int i, tagint a, tagint b) {
       if (of_node(i)) open[2 * cell_of_atom[i]] -= 2 * Side(a, b).hash();
     });
@@ -144,8 +138,7 @@ void FixDCMCell::check_topology()
       open[2 * c + 1] += Side(a, b, r).hash();
     });
     each_hinge([&](int i, tagint a, tagint b, tagint c, tagint d) {
-      if (of_node(i))
-        open[2 * cell_of_atom[i] + 1] -= Side(b, c, a).hash() + Side(b, c, d).hash();
+      if (of_node(i)) open[2 * cell_of_atom[i] + 1] -= Side(b, c, a).hash() + Side(b, c, d).hash();
     });
   }
   MPI_Allreduce(MPI_IN_PLACE, &stray, 1, MPI_LMP_TAGINT, MPI_MAX, world);
@@ -191,7 +184,8 @@ void FixDCMCell::check_topology()
   std::vector<Side> missing, extra;
   std::set_difference(have.begin(), have.end(), mine.begin(), mine.end(),
                       std::back_inserter(missing));
-  std::set_difference(mine.begin(), mine.end(), have.begin(), have.end(), std::back_inserter(extra));
+  std::set_difference(mine.begin(), mine.end(), have.begin(), have.end(),
+                      std::back_inserter(extra));
 
   const std::string what = bonds ? "bond" : "dihedral", plural = what + "s";
   const tagint molecule = table[cell].molecule;
@@ -218,9 +212,10 @@ void FixDCMCell::check_topology()
       fault = fmt::format("a {} joins nodes {} and {}, between which there is no edge", what, it.a,
                           it.b);
     else
-      fault = fmt::format("the dihedral at edge {}-{} reaches to node {}, which is no vertex of its "
-                          "two faces",
-                          it.a, it.b, it.beside);
+      fault =
+          fmt::format("the dihedral at edge {}-{} reaches to node {}, which is no vertex of its "
+                      "two faces",
+                      it.a, it.b, it.beside);
   } else {
     fault = fmt::format("edge {}-{} has no {}", missing.front().a, missing.front().b, what);
   }

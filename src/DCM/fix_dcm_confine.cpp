@@ -137,8 +137,7 @@ void FixDCMConfine::init()
   if (!held.empty()) plane_bit = dcm_find_group(lmp, std::string(STYLE) + ": group", held);
   const auto cells = {AtomVecDCM::CENTER, AtomVecDCM::SPHERE};
   if (target != 0.0) dcm_check_group(lmp, STYLE, igroup, cells);
-  if (plane >= 0)
-    dcm_check_group(lmp, STYLE, held.empty() ? igroup : group->find(held), cells);
+  if (plane >= 0) dcm_check_group(lmp, STYLE, held.empty() ? igroup : group->find(held), cells);
   if (target == 0.0) return;
   measured_bit = dcm_find_group(lmp, std::string(STYLE) + ": over", measured);
   if (!(traits_of(lmp) & GIVES_PRESSURE))

@@ -364,18 +364,20 @@ void PairDCMContact::check_scale()
     if (!types[t].active) continue;
     const double layer = parameters->get(t, "layer", DCMParameters::POSITIVE, LAYER);
     if (layer >= size)
-      error->all(FLERR,
-                 "{}: layer of cell type {} is {:.4g}{}, must be below a cell radius, which is "
-                 "{:.4g} at most: are the lengths of deck and parameters in one unit? Give layer in "
-                 "that of the deck",
-                 STYLE, parameters->name(t), layer,
-                 parameters->has(t, "layer") ? "" : " (the default)", size);
+      error->all(
+          FLERR,
+          "{}: layer of cell type {} is {:.4g}{}, must be below a cell radius, which is "
+          "{:.4g} at most: are the lengths of deck and parameters in one unit? Give layer in "
+          "that of the deck",
+          STYLE, parameters->name(t), layer, parameters->has(t, "layer") ? "" : " (the default)",
+          size);
   }
   if (neighbor->skin > MOST_SKIN * size)
-    error->all(FLERR,
-               "{}: the neighbor skin is {:.4g}, {:.3g} times the largest cell radius ({:.4g}): are "
-               "the lengths of deck and parameters in one unit? Set 'neighbor {:.3g} multi'",
-               STYLE, neighbor->skin, neighbor->skin / size, size, 0.1 * size);
+    error->all(
+        FLERR,
+        "{}: the neighbor skin is {:.4g}, {:.3g} times the largest cell radius ({:.4g}): are "
+        "the lengths of deck and parameters in one unit? Set 'neighbor {:.3g} multi'",
+        STYLE, neighbor->skin, neighbor->skin / size, size, 0.1 * size);
 }
 
 /* ----------------------------------------------------------------------

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-PLACE = np.array([19.5, -19.0, 19.9])    # a cell of radius 6 in a box of +-20: across three borders
+PLACE = np.array([19.5, -19.0, 19.9])  # a cell of radius 6 in a box of +-20: across three borders
 
 
 def without_flags(text, change):
@@ -54,8 +54,8 @@ def test_conversion(lmp, scenes, data, flags, np_):
     assert list(frame["type"]) == [4]
     far = frame.vectors("x", "y", "z")[0] - PLACE
     far -= 40.0 * np.round(far / 40.0)
-    # rest volume: that of the ball of radius 6, whose volume the mesh has; place: the mean node moves
-    # by the rounding of the data file and one short step only
+    # rest volume: that of the ball of radius 6, whose volume the mesh has; place: the mean node
+    # moves by the rounding of the data file and one short step only
     assert np.linalg.norm(far) < 1e-3
     assert frame["radius"][0] == pytest.approx(6.0, rel=1e-6)
 

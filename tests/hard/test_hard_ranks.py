@@ -1,5 +1,5 @@
-"""Boxes that follow the cells and begin far too large: the same run on any number of ranks. The first
-shrink moves sub-domains by more than one, and LAMMPS hands atoms to the next rank only."""
+"""Boxes that follow the cells and begin far too large: the same run on any number of ranks. The
+first shrink moves sub-domains by more than one, and LAMMPS hands atoms to the next rank only."""
 
 import numpy as np
 import pytest

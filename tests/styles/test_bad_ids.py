@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from support.bad_decks import fails, whole
+from support.bad_decks import fails, lines_of_error, whole
 
 # --- reset_atoms id -------------------------------------------------------------------------------
 
@@ -13,7 +13,7 @@ from support.bad_decks import fails, whole
 @pytest.mark.parametrize("np", [1, 3])
 @pytest.mark.parametrize("options", ["", "sort yes"])
 def test_reset_atoms(lmp, scenes, options, np):
-    """Vertices of faces do not follow: the command is refused where it stands, atoms as they are."""
+    """Vertices of faces do not follow: the command is refused where it stands."""
     deck = whole(scenes.doublet()) + "timestep 0.5\nrun 2\n"
     result = lmp.run(deck + f"reset_atoms id {options}\nrun 2\n", np=np)
     assert result.returncode != 0
@@ -39,6 +39,23 @@ def test_reset_atoms_before_fix_cell(lmp, scenes, options, np):
         fails(lmp, deck, "reset_atoms id", np=np)
     else:
         lmp(deck + "run 1\n")
+
+
+@pytest.mark.parametrize("np", [1, 3])
+@pytest.mark.parametrize(
+    "options, pattern",
+    [
+        ("all", "cell 0 has two center atoms.*reset_atoms mol"),
+        ("all single yes", "has vertex|no center atom"),
+    ],
+)
+def test_reset_molecules(lmp, scenes, options, pattern, np):
+    """It goes by bonds, which centers and faces do not have."""
+    deck = whole(scenes.doublet()) + f"timestep 0.5\nrun 2\nreset_atoms mol {options}\nrun 2\n"
+    result = lmp.run(deck, np=np)
+    assert len(lines_of_error(result)) == 1, result.tail()
+    assert re.search(pattern, result.error.replace("\n", " ")), result.tail()
+    assert "reset_atoms" in result.error
 
 
 # --- molecule and atom IDs ------------------------------------------------------------------------
@@ -79,8 +96,13 @@ def after_one(scene, extra="", cells=CELL):
 def test_no_molecule_left(lmp, scenes):
     scene = scenes.Scene()
     files = {"one.data": ONE.format(tag=7, mol=LAST)}
-    fails(lmp, after_one(scene), "Create_cells: no molecule IDs are left for 1 new", str(LAST),
-          files=files)
+    fails(
+        lmp,
+        after_one(scene),
+        "Create_cells: no molecule IDs are left for 1 new",
+        str(LAST),
+        files=files,
+    )
     files = {"one.data": ONE.format(tag=LAST - 5, mol=7)}
     fails(lmp, after_one(scene), "Create_cells: no atom IDs are left for 123 new", files=files)
 
@@ -115,14 +137,14 @@ def test_no_molecule_left_for_daughters(lmp, scenes, np):
 def test_property_atom_of_daughters(lmp, scenes, np):
     """Atoms that are made in a run begin with 0, whatever stood at their place in memory."""
     scene = scenes.doublet(boundary="p p p", gap=1.0, box=30.0)
+    contact = scene.contact().replace("neighbor 0.6", "neighbor 1.0")
     extra = (
         f"fix grow all dcm/growth {scene.map} seed 5 cycle_time 40\n"
         "fix divide all dcm/division seed 7\n"
         "fix mark all property/atom d_mark i_count d2_pair 2\n"
     )
-    deck = whole(scene, extra=extra) + "timestep 1.0\n"
+    deck = whole(scene, extra=extra, contact=contact) + "timestep 1.0\n"
     deck += "set group all d_mark 7.5 i_count 3 d2_pair[1] 1.5 d2_pair[2] 2.5\nrun 60\n"
-    deck += "variable n equal count(all)\nprint 'atoms ${n}'\n"
     deck += "write_dump all custom mark.txt id mol d_mark i_count d2_pair[1] d2_pair[2]\n"
     frame = lmp(deck, np=np).dump("mark.txt")[-1]
     assert set(frame["mol"]) == {3, 4, 5, 6}

@@ -111,13 +111,13 @@ PAIR_COEFF = {
     "file region": ("* * reg.dcm a a a a", "Pair.*unknown region top; known"),
     "adhesion of a misspelled type": ("* * typo.dcm a a a a",
                                       "typo.dcm: adhesion names the unknown cell type aa.*has: a"),
-    "adhesion of a missing type": ("* * gone.dcm a a a a", "adhesion names the unknown cell type b"),
+    "adhesion of a missing type": ("* * gone.dcm a a a a", "names the unknown cell type b"),
     "adhesion twice": ("* * two.dcm a a a a",
                        "'adhesion b a 0.2': it has the value 0.1 above already; remove one"),
     "adhesion of regions twice": ("* * regs.dcm a a a a", "it has the value 0.1 above already"),
     "value twice": ("* * value.dcm a a a a", "'E_contact 2': it has the value 1 above already"),
     "type twice": ("* * types.dcm a a a a", "'celltype a': there is a cell type of this name"),
-    "region in a type": ("* * colon.dcm a a a a", "'celltype a:apical'.*':' stands before a region"),
+    "region in a type": ("* * colon.dcm a a a a", "'celltype a:apical'.*':' stands before a reg"),
     "type NULL": ("* * null.dcm a a a a", "'celltype NULL'.*NULL for no cell type"),
 }  # fmt: skip
 FILES = {
@@ -128,7 +128,8 @@ FILES = {
     "key.dcm": "celltype a\n E_contcat 1\n",
     "adh.dcm": "celltype a\n E_contact 1\nadhesion a a -1\n",
     "reg.dcm": "celltype a\n E_contact 1\nadhesion a:top a 1\n",
-    "typo.dcm": "celltype a\n E_contact 1\n nu_contact 0.4\nadhesion a a 1\nadhesion aa:apical a 0\n",
+    "typo.dcm": "celltype a\n E_contact 1\n nu_contact 0.4\nadhesion a a 1\n"
+                "adhesion aa:apical a 0\n",
     "gone.dcm": "celltype a\n E_contact 1\n nu_contact 0.4\nadhesion a a 1\nadhesion a b 0\n",
     "two.dcm": "celltype a\ncelltype b\nadhesion a b 0.1\nadhesion b a 0.2\n",
     "regs.dcm": "celltype a\nadhesion a:apical a:basal 0.1\nadhesion a:basal a:apical 0.2\n",

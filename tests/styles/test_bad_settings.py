@@ -8,12 +8,20 @@ from support.bad_decks import fails, whole
 # --- settings -------------------------------------------------------------------------------------
 
 SETTINGS = {
-    "delay": ("neigh_modify every 1 delay 100 check yes\n", "neigh_modify delay 100 every 1",
-              "'neigh_modify delay 0 every 1 check yes'"),
+    "delay": (
+        "neigh_modify every 1 delay 100 check yes\n",
+        "neigh_modify delay 100 every 1",
+        "'neigh_modify delay 0 every 1 check yes'",
+    ),
     "every": ("neigh_modify every 10 delay 0 check yes\n", "neigh_modify delay 0 every 10"),
     "every, no check": ("neigh_modify every 20 delay 0 check no\n", "delay 0 every 20"),
     "delay 10": ("neigh_modify every 5 delay 10\n", "neigh_modify delay 10 every 5"),
     "once": ("neigh_modify once yes\n", "remove 'neigh_modify once yes'"),
+    "exclude": (
+        "neigh_modify exclude molecule/inter all\n",
+        "exclude molecule/inter all would",
+        "exclude none",
+    ),
     "include": ("group some molecule 1\nneigh_modify include some\n", "neigh_modify include some"),
 }
 
@@ -69,8 +77,7 @@ def test_create_atoms(lmp, scenes, np):
 def test_deposited_atom(lmp, scenes):
     """Made in a run: an error at that step."""
     extra = (
-        "region top block -5 5 10 15 -5 5\n"
-        "fix drop all deposit 1 4 5 12345 region top near 1.0\n"
+        "region top block -5 5 10 15 -5 5\nfix drop all deposit 1 4 5 12345 region top near 1.0\n"
     )
     deck = whole(scenes.doublet(boundary="f f f"), extra=extra) + "timestep 0.1\nrun 20\n"
     result = lmp.run(deck)
@@ -100,8 +107,30 @@ def test_group(lmp, scenes, case):
     scene = scenes.doublet()
     text = f"group g {atoms}\nfix f g {style} {options.format(map=scene.map)}\n"
     part = {"dcm/volume": "volume", "dcm/motion": "motion"}.get(style, "extra")
-    fails(lmp, whole(scene, **{part: text}), f"Fix {style}", "group g holds .* atoms", pattern,
-          "group g molecule")
+    fails(
+        lmp,
+        whole(scene, **{part: text}),
+        f"Fix {style}",
+        "group g holds .* atoms",
+        pattern,
+        "group g molecule",
+    )
+
+
+COMPUTES = {
+    "dcm/cell volume": ("type 2 3", "no center or sphere"),
+    "dcm/face area": ("type 1 2", "no face"),
+}
+
+
+@pytest.mark.parametrize("case", COMPUTES)
+def test_group_of_a_compute(lmp, scenes, case):
+    """Values would be zeros."""
+    atoms, pattern = COMPUTES[case]
+    extra = f"group g {atoms}\ncompute c g {case}\n"
+    tail = "dump d all custom 1 d.txt id c_c\n" if "face" in case else ""
+    fails(lmp, whole(scenes.doublet(), extra=extra + tail), f"Compute {case.split()[0]}", pattern,
+          "group g holds")  # fmt: skip
 
 
 def test_group_without_atoms(lmp, scenes):
@@ -116,8 +145,12 @@ def test_group_without_atoms(lmp, scenes):
 
 def scaled(scenes, factor, **parts):
     """The doublet with its lengths in another unit, and parameters as they were."""
-    scene = scenes.doublet(radius=6.0 * factor, gap=-0.1 * factor, box=20.0 * factor,
-                           boundary=parts.pop("boundary", "s s s"))
+    scene = scenes.doublet(
+        radius=6.0 * factor,
+        gap=-0.1 * factor,
+        box=20.0 * factor,
+        boundary=parts.pop("boundary", "s s s"),
+    )
     return scene, whole(scene, **parts)
 
 
@@ -127,15 +160,22 @@ def scaled(scenes, factor, **parts):
 def test_unit_of_lengths(lmp, scenes, factor, radius, boundary, np):
     """Cells in mm or m with h0 and skin in um: an error, no search for ghosts without an end."""
     _, deck = scaled(scenes, factor, boundary=boundary)
-    fails(lmp, deck, "Pair style dcm/contact: h0 is 0.35 .h0 auto", f"cell radius, which is {radius}",
-          "in one unit", np=np)
+    fails(
+        lmp,
+        deck,
+        "Pair style dcm/contact: h0 is 0.35 .h0 auto",
+        f"cell radius, which is {radius}",
+        "in one unit",
+        np=np,
+    )
 
 
 LENGTHS = {
     # pair_style arguments, neighbor, patterns
     "h0": ("h0 1e6", "0.6", "h0 is 1e.06, must be below a cell radius, which is [56]"),
     "range": ("range 1e6", "0.6", "range is 1e.06, must be below a cell's diameter"),
-    "growth": ("growth 1e6", "0.6", "growth is 1e.06.*at most 100"),
+    "growth": ("growth 1e6", "0.6", "growth is 1e6, must be at most 100"),
+    "layer": ("law foundation", "0.6", "layer of cell type hepatoblast is 7, must be below a cell"),
     "skin": ("", "1000", "skin is 1000, .* times the largest cell radius .[56]", "Set 'neighbor"),
 }
 
@@ -145,8 +185,25 @@ LENGTHS = {
 def test_lengths(lmp, scenes, case, boundary):
     style, skin, *patterns = LENGTHS[case]
     scene = scenes.doublet(boundary=boundary)
-    contact = scene.contact(style).replace("neighbor 0.6", f"neighbor {skin}")
+    coeff = "layer 7" if case == "layer" else ""
+    contact = scene.contact(style, coeff).replace("neighbor 0.6", f"neighbor {skin}")
     fails(lmp, whole(scene, contact=contact), *patterns)
+
+
+def test_unit_of_lengths_of_spheres(lmp, scenes):
+    """They have no h0; the skin tells."""
+    scene = scenes.Scene(20.0e-6, "p p p")
+    scene.cbm(0.0, 0.0, 0.0, 6.0e-6)
+    fails(
+        lmp, whole(scene, cortex="", volume=""), "skin is 0.6, 1e.05 times the largest cell radius"
+    )
+
+
+def test_unit_of_the_layer(lmp, scenes):
+    """The default is a length in um as well."""
+    scene = scenes.doublet(radius=6e-3, gap=-1e-4, box=20e-3)
+    contact = scene.contact("law foundation h0 0.0008 range 0.003").replace("0.6", "0.0006")
+    fails(lmp, whole(scene, contact=contact), "layer of cell type hepatoblast is 0.25 .the default")
 
 
 def test_unit_of_lengths_given(lmp, scenes):
@@ -168,6 +225,24 @@ def test_unit_of_lengths_given(lmp, scenes):
 def test_start_overlap_below_half(lmp, scenes, np):
     """By 0.35 of the radius: the start is at fault, not the time step."""
     scene = scenes.doublet(level=2, gap=-2.1, box=25.0)
-    result = fails(lmp, whole(scene), "cells 1 and 2 overlap at the start of the run",
-                   "move them apart", np=np)
+    result = fails(
+        lmp, whole(scene), "cells 1 and 2 overlap at the start of the run", "move them apart", np=np
+    )
     assert "timestep" not in result.error
+
+
+# --- a box that gets too small --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("np", [1, 3])
+def test_box_shrinks_in_a_run(lmp, scenes, np):
+    """Closest images are unique as long as a cell spans less than half a box length: a box that is
+    made smaller while cells keep their size ends the run when it is not."""
+    scene = scenes.Scene((14.0, 20.0, 20.0), "p p p")
+    scene.dcm(0.0, 0.0, 0.0, 6.0)
+    extra = "fix def all deform 1 x final -10 10 remap none\n"
+    deck = whole(scene, extra=extra) + "timestep 0.1\nthermo 1\nrun 100\n"
+    result = lmp.run(deck, np=np, timeout=60)
+    assert "Fix dcm/cell: cell 1 spans 0.5" in result.error, result.tail()
+    # 12 um across: half of 24 um, which the box has half way from 28 to 20
+    assert result.thermo and 40 <= result.thermo[-1]["Step"] <= 60

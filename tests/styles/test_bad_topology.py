@@ -64,8 +64,11 @@ def cases():
     def moved(bonds, _):
         # as many bonds as before, one of them between other nodes
         edges = {frozenset(b[2:]) for b in bonds}
-        far = next(n for n in range(3, 44) if frozenset((bonds[0][2], n)) not in edges | {
-            frozenset((n,))} and n != bonds[0][2])
+        far = next(
+            n
+            for n in range(3, 44)
+            if frozenset((bonds[0][2], n)) not in edges | {frozenset((n,))} and n != bonds[0][2]
+        )
         return [[1, 1, bonds[0][2], far], *bonds[1:]], None
 
     def no_hinges(_, hinges):
@@ -82,7 +85,12 @@ def cases():
 
     edge = r"edge \d+-\d+"
     return {
-        "no bonds": (no_bonds, "bonds of cell 2", f"{edge} has no bond", f"{NEDGES} edges, 0 bonds"),
+        "no bonds": (
+            no_bonds,
+            "bonds of cell 2",
+            f"{edge} has no bond",
+            f"{NEDGES} edges, 0 bonds",
+        ),
         "twice": (twice, "bonds of cell 1", f"{edge} has more than one bond", "240 bonds"),
         "one missing": (one_missing, f"{edge} has no bond", "119 bonds"),
         "between cells": (between, "bonds of cell", "atom (5|130), which is no node of this cell"),
@@ -142,13 +150,20 @@ def atoms(text, change):
 @pytest.mark.parametrize("np", [1, 3])
 def test_faces_of_another_cell(lmp, scenes, text, np):
     """Both surfaces stay closed if two cells trade all their faces."""
+
     def change(words):
         if words[3] == "4":
             words[1] = {"1": "2", "2": "1"}[words[1]]
         return words
 
-    fails(lmp, reading(scenes.doublet()), "face .* of cell [12] has vertex .* a node of cell [12]",
-          "three nodes of its own cell", files={"cells.data": atoms(text, change)}, np=np)
+    fails(
+        lmp,
+        reading(scenes.doublet()),
+        "face .* of cell [12] has vertex .* a node of cell [12]",
+        "three nodes of its own cell",
+        files={"cells.data": atoms(text, change)},
+        np=np,
+    )
 
 
 def test_vertex_that_is_no_node(lmp, scenes, text):
@@ -157,8 +172,12 @@ def test_vertex_that_is_no_node(lmp, scenes, text):
             words[8] = "1"
         return words
 
-    fails(lmp, reading(scenes.doublet()), "face 50 of cell 1 has vertex 1, which is a center",
-          files={"cells.data": atoms(text, change)})
+    fails(
+        lmp,
+        reading(scenes.doublet()),
+        "face 50 of cell 1 has vertex 1, which is a center",
+        files={"cells.data": atoms(text, change)},
+    )
 
 
 # --- bonds edited by LAMMPS -----------------------------------------------------------------------
@@ -169,18 +188,23 @@ EDITORS = {
     "off": ("group sub id 2:20\ndelete_bonds sub bond 1\n", "were edited"),
     "delete dihedrals": ("group sub id 2:20\ndelete_bonds sub dihedral 1 remove\n", "were edited"),
     "create": ("create_bonds single/bond 1 5 140 special no\n", "were edited"),
-    "delete and create": ("group sub id 2:43\ndelete_bonds sub bond 1 remove special\n{again}",
-                          "were edited"),
+    "delete and create": (
+        "group sub id 2:43\ndelete_bonds sub bond 1 remove special\n{again}",
+        "were edited",
+    ),
 }
 
 
 @pytest.mark.parametrize("case", EDITORS)
 @pytest.mark.parametrize("np", [1, 3])
 def test_edited_bonds(lmp, scenes, text, case, np):
-    """Rest lengths and angles stand in the slots of the lists: no run goes on with mixed up ones."""
+    """Rest lengths and angles stand in slots of the lists: no run goes on with mixed up ones."""
     edit, *patterns = EDITORS[case]
-    again = "".join(f"create_bonds single/bond 1 {a} {b} special no\n"
-                    for _, _, a, b in rows(text, "Bonds")[::-1] if max(a, b) < 44)
+    again = "".join(
+        f"create_bonds single/bond 1 {a} {b} special no\n"
+        for _, _, a, b in rows(text, "Bonds")[::-1]
+        if max(a, b) < 44
+    )
     deck = reading(scenes.doublet()) + "timestep 0.5\nrun 3\nprint begin\n"
     deck += edit.format(again=again) + "run 1\n"
     result = lmp.run(deck, files={"cells.data": text}, np=np, timeout=60)
@@ -212,7 +236,9 @@ def test_edited_before_the_first_run(lmp, scenes):
 def test_tethers_of_a_hybrid_style(lmp, scenes, np):
     """Bonds of another style may be added; the cortex keeps its rest lengths, bit for bit."""
     scene = scenes.doublet()
-    cortex = scene.cortex().replace("bond_style dcm/cortex", "bond_style hybrid dcm/cortex harmonic")
+    cortex = scene.cortex().replace(
+        "bond_style dcm/cortex", "bond_style hybrid dcm/cortex harmonic"
+    )
     cortex = cortex.replace("bond_coeff 1 ", "bond_coeff 1 dcm/cortex ")
     cortex += "bond_coeff 2 harmonic 0.0 5.0\n"
     head = scene.head().replace("bond/types 1", "bond/types 2")
@@ -225,13 +251,3 @@ def test_tethers_of_a_hybrid_style(lmp, scenes, np):
 
     assert len(edges("a.rest")) == 2 * NEDGES
     assert edges("a.rest") == edges("b.rest")
-
-
-def test_replicate(lmp, scenes):
-    """IDs that are shifted as a whole are no edit."""
-    scene = scenes.doublet(boundary="p p p")
-    deck = whole(scene, head=scene.head() + "replicate 2 1 1\n")
-    result = lmp(deck + scenes.thermo(["atoms", "ebond"]) + "run 2\n")
-    one = lmp(whole(scene) + scenes.thermo(["atoms", "ebond"]) + "run 2\n")
-    assert result.thermo[-1]["Atoms"] == 2 * one.thermo[-1]["Atoms"]
-    assert result.thermo[-1]["E_bond"] == pytest.approx(2 * one.thermo[-1]["E_bond"], rel=1e-6)

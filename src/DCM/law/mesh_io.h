@@ -109,8 +109,10 @@ namespace mesh_detail {
     // off in lower case, or with the counts right behind it, is what some programs write
     std::string begin = in.words[0].substr(0, 3), glued = in.words[0].substr(begin.size());
     for (char &c : begin) c = char(std::toupper((unsigned char) c));
-    const bool counts = !glued.empty() &&
-        std::all_of(glued.begin(), glued.end(), [](unsigned char c) { return std::isdigit(c); });
+    const bool counts =
+        !glued.empty() && std::all_of(glued.begin(), glued.end(), [](unsigned char c) {
+          return std::isdigit(c);
+        });
     if (begin != "OFF" || !(glued.empty() || counts))
       in.fail("an OFF file starts with the word OFF, not '" + in.words[0] + "'",
               "export plain OFF (no colors, normals or binary)");
