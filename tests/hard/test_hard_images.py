@@ -32,9 +32,10 @@ def data(lmp_module, scenes):
 
 def reading(scenes, extra, run):
     scene = scenes.Scene()
+    forces = scene.forces().replace("neighbor 0.6", "neighbor 1.0")  # necks of spheres that come
     extras = "extra/bond/per/atom 8 extra/dihedral/per/atom 8"
     head = f"units lj\natom_style dcm\nnewton on\nboundary p p p\nread_data w.data {extras}\n"
-    return head + scene.forces() + extra.format(map=scene.map) + scene.motion() + run
+    return head + forces + extra.format(map=scene.map) + scene.motion() + run
 
 
 CONVERT = (

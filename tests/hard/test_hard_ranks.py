@@ -99,4 +99,6 @@ def test_restart_in_a_shrunk_box(lmp, scenes):
     )  # fmt: skip
     again = lmp(rest, np=4, files={"a.restart": whole.path / "a.restart"})
     assert np.array_equal(whole.dump()[-1].x, again.dump()[-1].x)
-    assert whole.thermo[-1] == again.thermo[-1]
+    # not the box, which follows the atoms when lists are built
+    for name in ("Atoms", "PotEng"):
+        assert whole.thermo[-1][name] == again.thermo[-1][name]
