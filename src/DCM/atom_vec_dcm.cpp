@@ -12,6 +12,7 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "dcm_slots.h"
 #include "error.h"
 
 #include <algorithm>
@@ -61,8 +62,8 @@ AtomVecDCM::AtomVecDCM(LAMMPS *lmp) : AtomVec(lmp)
   data = arrays_of(atom);
   *data = DCMAtoms();
 
-  for (const char *name :
-       {"dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0", "dcm_theta0"})
+  for (const char *name : {"dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0",
+                           "dcm_theta0", "dcm_bonded"})
     forget_peratom(atom, name);
   const int tagtype = (sizeof(tagint) == 8) ? Atom::BIGINT : Atom::INT;
   atom->add_peratom("dcm_kind", &data->kind, Atom::INT, 0);
@@ -72,6 +73,7 @@ AtomVecDCM::AtomVecDCM(LAMMPS *lmp) : AtomVec(lmp)
   atom->add_peratom_vary("dcm_l0", &data->l0, Atom::DOUBLE, &atom->bond_per_atom, &atom->num_bond);
   atom->add_peratom_vary("dcm_theta0", &data->theta0, Atom::DOUBLE, &atom->dihedral_per_atom,
                          &atom->num_dihedral);
+  atom->add_peratom("dcm_bonded", &data->bonded, Atom::BIGINT, 0);
 
   // order of fields in a string does not matter, except in fields_data_atom & fields_data_vel
 
@@ -79,7 +81,7 @@ AtomVecDCM::AtomVecDCM(LAMMPS *lmp) : AtomVec(lmp)
   fields_grow = {"molecule", "radius", "num_bond", "bond_type", "bond_atom", "num_dihedral",
     "dihedral_type", "dihedral_atom1", "dihedral_atom2", "dihedral_atom3", "dihedral_atom4",
     "nspecial", "special", "dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0",
-    "dcm_theta0"};
+    "dcm_theta0", "dcm_bonded"};
   fields_copy = fields_grow;
   fields_border = {"molecule", "radius", "dcm_kind", "dcm_region", "dcm_vertex"};
   fields_border_vel = fields_border;
@@ -88,7 +90,7 @@ AtomVecDCM::AtomVecDCM(LAMMPS *lmp) : AtomVec(lmp)
     "dihedral_type", "dihedral_atom1", "dihedral_atom2", "dihedral_atom3", "dihedral_atom4",
     "dcm_kind", "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_l0", "dcm_theta0"};
   fields_create = {"molecule", "radius", "num_bond", "num_dihedral", "nspecial", "dcm_kind",
-    "dcm_region", "dcm_vertex", "dcm_volume0"};
+    "dcm_region", "dcm_vertex", "dcm_volume0", "dcm_bonded"};
   fields_data_atom = {"id", "molecule", "type", "dcm_kind", "radius", "x", "dcm_vertex",
     "dcm_region", "dcm_volume0"};
   fields_data_vel = {"id", "v"};
@@ -181,7 +183,15 @@ void AtomVecDCM::data_atom_post(int ilocal)
   atom->nspecial[ilocal][0] = 0;
   atom->nspecial[ilocal][1] = 0;
   atom->nspecial[ilocal][2] = 0;
+  data->bonded[ilocal] = 0;
   init_slots(ilocal);
+}
+
+// also called for each atom that replicate makes, before it gets its ID
+
+void AtomVecDCM::unpack_restart_init(int ilocal)
+{
+  data->bonded[ilocal] = stamp(atom, ilocal);
 }
 
 // num_bond counts the new bond already
@@ -249,6 +259,32 @@ DCMAtoms *AtomVecDCM::require(LAMMPS *lmp, const std::string &asking)
     lmp->error->all(FLERR, "{} needs atom_style dcm; the atom style is {}", asking,
                     lmp->atom->atom_style ? lmp->atom->atom_style : "none");
   return arrays_of(lmp->atom);
+}
+
+bigint AtomVecDCM::stamp(const Atom *atom, int i)
+{
+  return stamp(atom, i, atom->num_bond[i], atom->num_dihedral[i]);
+}
+
+bigint AtomVecDCM::stamp(const Atom *atom, int i, int nbonds, int ndihedrals)
+{
+  const tagint tag = atom->tag[i];
+  uint64_t hash = 0;
+  auto add = [&hash](tagint value) {
+    hash = dcm_mix(hash ^ (uint64_t) value);
+  };
+  for (int m = 0; m < nbonds; m++) {
+    add(atom->bond_type[i][m] > 0);
+    add(atom->bond_atom[i][m] - tag);
+  }
+  add(0);
+  for (int m = 0; m < ndihedrals; m++) {
+    add(atom->dihedral_type[i][m] > 0);
+    add(atom->dihedral_atom1[i][m] - tag);
+    add(atom->dihedral_atom3[i][m] - tag);
+    add(atom->dihedral_atom4[i][m] - tag);
+  }
+  return (bigint) (hash | 1);
 }
 
 std::vector<int> AtomVecDCM::types_holding(LAMMPS *lmp, const std::vector<Kind> &kinds,

@@ -34,6 +34,7 @@ struct DCMAtoms {
   double *volume0 = nullptr;    // centers: rest volume of the cell
   double **l0 = nullptr;        // per bond slot: rest length of the edge, < 0: not set yet
   double **theta0 = nullptr;    // per dihedral slot: rest angle of the hinge, > 4: not set yet
+  bigint *bonded = nullptr;     // stamp() of the bonds and dihedrals that l0 and theta0 are of
 };
 
 class AtomVecDCM : public AtomVec {
@@ -56,10 +57,19 @@ class AtomVecDCM : public AtomVec {
   void pack_data_post(int) override;
   int property_atom(const std::string &) override;
   void pack_property_atom(int, double *, int, int) override;
+  void unpack_restart_init(int) override;
 
   // the state of the running atom style; an error naming the asking style if there is none
 
   static DCMAtoms *require(class LAMMPS *, const std::string &asking);
+
+  // what bonds and dihedrals an atom stores and in which order, never 0. Rest lengths and angles
+  // stand in these slots: a stamp that is not `bonded` tells that a command which does not know
+  // them has edited the lists. The same after a shift of all IDs of a cell. The second form is of
+  // the first so many bonds and dihedrals only.
+
+  static bigint stamp(const class Atom *, int i);
+  static bigint stamp(const class Atom *, int i, int nbonds, int ndihedrals);
 
   // per atom type, on all ranks: does it hold atoms of the group of one of these kinds now
 

@@ -232,7 +232,8 @@ void BondDCMCortex::init_style()
       // not set yet: the present length, as far as both ends are known before ghosts are
 
       if (l < 0.0) {
-        const int j = atom->map_style == Atom::MAP_NONE ? -1 : atom->map(atom->bond_atom[i][m]);
+        const int j = atom->map_style == Atom::MAP_NONE ? -1
+                                                        : dcm_index_of(atom, atom->bond_atom[i][m]);
         if (j < 0 || j >= atom->nlocal) continue;
         dcm::Vec3 d = dcm::vec(atom->x[j]) - dcm::vec(atom->x[i]);
         dcm_minimum_image(domain, d[0], d[1], d[2]);

@@ -12,6 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
+#include "dcm_deck_check.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
@@ -111,6 +112,7 @@ void ComputeDCMCell::unknown(const std::string &name) const
 void ComputeDCMCell::init()
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER, AtomVecDCM::SPHERE});
   int any = 0;
   for (int i = 0; i < atom->nlocal; i++)
     if (dcm->kind[i] == AtomVecDCM::CENTER) any = 1;

@@ -12,6 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
+#include "dcm_deck_check.h"
 #include "dcm_role.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
@@ -73,6 +74,7 @@ void ComputeDCMFace::init()
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::FACE});
   if (wants(CURVATURE)) curvature = cell->request_curvature();
 
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));

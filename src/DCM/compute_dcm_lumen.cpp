@@ -15,6 +15,7 @@
 #include "comm.h"
 #include "dcm_args.h"
 #include "dcm_compat.h"
+#include "dcm_deck_check.h"
 #include "dcm_role.h"
 #include "domain.h"
 #include "error.h"
@@ -89,6 +90,7 @@ ComputeDCMLumen::~ComputeDCMLumen()
 void ComputeDCMLumen::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   graph.init();
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   marks = DCMRole::marker_of(lmp);

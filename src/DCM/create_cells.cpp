@@ -17,6 +17,7 @@
 #include "dcm_args.h"
 #include "law/mesh_io.h"
 #include "law/random.h"
+#include "law/self_crossing.h"
 #include "dcm_text.h"
 #include "domain.h"
 #include "fix_dcm_cell.h"
@@ -61,6 +62,14 @@ void CreateCells::command(int narg, char **arg)
   parse_keywords(args);
   DCMCellBuilder builder(lmp, "Create_cells", true);
   top = builder.prepare(mesh, equal_volume);
+  if (from_file) {
+    const auto faces = dcm::self_crossing(mesh);
+    if (faces[0] >= 0)
+      error->all(FLERR,
+                 "Create_cells: bad mesh: the surface runs through itself at faces {} and {}; "
+                 "repair it, or reconstruct the surface",
+                 faces[0] + 1, faces[1] + 1);
+  }
 
   bool deformable = false;
   for (const auto &request : requests) {
@@ -84,10 +93,23 @@ void CreateCells::command(int narg, char **arg)
   }
   MPI_Allreduce(MPI_IN_PLACE, last, 2, MPI_LMP_TAGINT, MPI_MAX, world);
 
+  tagint ids = 0;
+  for (const auto &request : requests) ids += request.deformable ? top.size() : 1;
+  if (last[0] > MAXTAGINT - ids)
+    error->all(FLERR,
+               "Create_cells: no atom IDs are left for {} new atoms: they count on from the "
+               "highest, {}; give the atoms of the data file lower ones",
+               ids, last[0]);
+
   bigint ncreated[2] = {0, 0}, natoms = 0;
-  tagint tag = last[0] + 1, molecule = last[1] + 1;
   if (const auto *const fix = FixDCMCell::find(lmp))    // IDs of dead cells stay theirs
-    molecule = std::max(molecule, fix->cells().last_molecule() + 1);
+    last[1] = std::max(last[1], fix->cells().last_molecule());
+  if (last[1] > MAXTAGINT - (tagint) requests.size())
+    error->all(FLERR,
+               "Create_cells: no molecule IDs are left for {} new cells: they count on from the "
+               "highest, {}; give the cells lower ones with 'set group ... mol'",
+               requests.size(), last[1]);
+  tagint tag = last[0] + 1, molecule = last[1] + 1;
   for (const auto &request : requests) {
     const auto &type = types[{request.name, request.deformable}];
     if (request.deformable) {
@@ -193,6 +215,7 @@ void CreateCells::parse_keywords(DCMArgs &args)
       args.need(2);
       const bool file = args.choose({"icosphere", "file"}, "icosphere LEVEL or file PATH") == 1;
       try {
+        from_file = file;
         mesh = file ? dcm::read_mesh(args.text()) : dcm::icosphere((int) args.whole(-MAXSMALLINT));
       } catch (LAMMPSException &) {
         throw;

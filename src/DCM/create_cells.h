@@ -48,7 +48,7 @@ class CreateCells : public Command {
   double rest = 1.0;
   int rotate_seed = 0;
   dcm::Mesh mesh;    // as given
-  bool equal_volume = true;
+  bool equal_volume = true, from_file = false;
 
   void read_table(const std::string &);
   void add_request(const std::vector<std::string> &, const std::string &);

@@ -121,7 +121,29 @@ int DCMCellBuilder::create_atom(const double *coord, int type, int kind, tagint 
   atom->mask[i] = mask;
   for (int k = 0; k < 3; k++) atom->v[i][k] = v[k];
   dcm->kind[i] = kind;
+  clear_extra(i);
   return i;
+}
+
+/* ----------------------------------------------------------------------
+   what fix property/atom adds to atoms begins at 0: it does not set them itself, and values of an
+   atom that is gone may stand at this place in memory
+------------------------------------------------------------------------- */
+
+void DCMCellBuilder::clear_extra(int i)
+{
+  for (int k = 0; k < atom->nivector; k++)
+    if (atom->ivector[k]) atom->ivector[k][i] = 0;
+  for (int k = 0; k < atom->ndvector; k++)
+    if (atom->dvector[k]) atom->dvector[k][i] = 0.0;
+  for (int k = 0; k < atom->niarray; k++)
+    if (atom->iarray[k]) std::fill_n(atom->iarray[k][i], atom->icols[k], 0);
+  for (int k = 0; k < atom->ndarray; k++)
+    if (atom->darray[k]) std::fill_n(atom->darray[k][i], atom->dcols[k], 0.0);
+  if (atom->q_flag) atom->q[i] = 0.0;
+  if (atom->rmass_flag) atom->rmass[i] = 0.0;
+  if (atom->temperature_flag) atom->temperature[i] = 0.0;
+  if (atom->heatflow_flag) atom->heatflow[i] = 0.0;
 }
 
 void DCMCellBuilder::create(const Types &type, const Sphere &cell)
@@ -174,6 +196,8 @@ void DCMCellBuilder::create(const Types &type, const Topology &top, const Deform
     atom->dihedral_atom4[i][m] = first + n[3];
     dcm->theta0[i][m] = cell.theta0[h];
   }
+  for (const int i : local)
+    if (i >= 0) dcm->bonded[i] = AtomVecDCM::stamp(atom, i);
 
   for (size_t f = 0; f < top.mesh.faces.size(); f++) {
     const auto &v = top.mesh.faces[f];

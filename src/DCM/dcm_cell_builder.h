@@ -101,6 +101,7 @@ class DCMCellBuilder : protected Pointers {
 
   int create_atom(const double *x, int type, int kind, tagint tag, tagint molecule, int mask,
                   const double *v);
+  void clear_extra(int i);
 };
 
 }    // namespace LAMMPS_NS

@@ -29,6 +29,7 @@
 #include "utils.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 using namespace LAMMPS_NS;
@@ -171,9 +172,17 @@ std::vector<DCMCellSurgery::Cell> DCMCellSurgery::gather(const std::vector<tagin
       cell.x /= (double) node.size();
       cell.v /= (double) node.size();
     }
-    for (const Part *face : faces)
-      cell.mesh.faces.push_back(
-          {node.at(face->vertex[0]), node.at(face->vertex[1]), node.at(face->vertex[2])});
+    for (const Part *face : faces) {
+      std::array<int, 3> v;
+      for (int k = 0; k < 3; k++) {
+        const auto found = node.find(face->vertex[k]);
+        if (found == node.end())
+          error->all(FLERR, "{}: vertex {} of face {} is no node of cell {} at step {}", asking,
+                     face->vertex[k], face->tag, molecule, update->ntimestep);
+        v[k] = found->second;
+      }
+      cell.mesh.faces.push_back(v);
+    }
     for (; e < edges.size() && edges[e].molecule == molecule; e++) {
       cell.types.bond = edges[e].bond;
       if (edges[e].dihedral) cell.types.dihedral = edges[e].dihedral;

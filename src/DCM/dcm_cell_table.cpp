@@ -138,8 +138,11 @@ void DCMCellTable::refresh(bool spheres)
   for (const auto &it : gather(lmp, spheres)) {
     const bool again = !rows.empty() && rows.back().molecule == it.molecule;
     if (again && it.deformable && rows.back().deformable)
-      error->all(FLERR, "Fix dcm/cell: cell {} has two center atoms, {} and {}", it.molecule,
-                 rows.back().tag, it.tag);
+      error->all(
+          FLERR,
+          "Fix dcm/cell: cell {} has two center atoms, {} and {}; every cell needs a "
+          "molecule ID of its own, from 1 ('reset_atoms mol' knows bonds only: leave it out)",
+          it.molecule, rows.back().tag, it.tag);
     if (again || it.molecule <= 0) doubled = it.molecule > 0 ? it.molecule : -1;
     if (again && !it.deformable) continue;    // spheres without an ID of their own are nobody's row
     if (it.molecule <= 0 && !it.deformable) continue;
@@ -223,7 +226,19 @@ void DCMCellTable::reserve_molecules()
   tagint last = 0;
   for (int i = 0; i < atom->nlocal; i++) last = std::max(last, atom->molecule[i]);
   MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_LMP_TAGINT, MPI_MAX, world);
-  next_molecule = std::max(next_molecule, last + 1);
+  if (last < MAXTAGINT) next_molecule = std::max(next_molecule, last + 1);
+  // IDs count on from the highest: at the end of the range there is none left
+  if (last == MAXTAGINT) next_molecule = MAXTAGINT;
+}
+
+tagint DCMCellTable::new_molecule()
+{
+  if (next_molecule >= MAXTAGINT)
+    error->all(FLERR,
+               "{}: no molecule IDs are left for new cells at step {}: they count on from the "
+               "highest, {}; give the cells lower ones with 'set group ... mol'",
+               STYLE, update->ntimestep, MAXTAGINT);
+  return next_molecule++;
 }
 
 /* ---------------------------------------------------------------------- */

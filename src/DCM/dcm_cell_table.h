@@ -163,7 +163,7 @@ class DCMCellTable : protected Pointers {
 
   void set_volume0(int row, double volume0) { cells[row].volume0 = volume0; }
   void set_phase(int row, Phase phase) { cells[row].phase = phase; }
-  tagint new_molecule() { return next_molecule++; }
+  tagint new_molecule();
   tagint last_molecule() const { return next_molecule - 1; }    // highest ID ever used
 
   // tell everybody (DCMRole); rows change

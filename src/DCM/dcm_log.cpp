@@ -30,6 +30,21 @@ void DCMLog::open()
   if (file.empty() || fp || comm->me != 0) return;
   fp = fopen(file.c_str(), continued ? "a" : "w");
   if (!fp) error->one(FLERR, "{}: cannot open log {}: {}", asking, file, utils::getsyserror());
-  if (fseek(fp, 0, SEEK_END) == 0 && ftell(fp) == 0) fputs(header.c_str(), fp);
+  if (fseek(fp, 0, SEEK_END) == 0 && ftell(fp) == 0) write(header);
   flush();
+}
+
+void DCMLog::write(const std::string &line)
+{
+  if (fwrite(line.data(), 1, line.size(), fp) != line.size()) fail();
+}
+
+void DCMLog::flush()
+{
+  if (fp && (fflush(fp) != 0 || ferror(fp))) fail();
+}
+
+void DCMLog::fail()
+{
+  error->one(FLERR, "{}: cannot write to log {}: {}", asking, file, utils::getsyserror());
 }

@@ -35,19 +35,20 @@ class DCMLog : protected Pointers {
   // call it in setup(), when all input has been checked; no effect from the second time on
   void open();
 
-  template <typename... Args> void print(const std::string &format, Args &&...args)
+  // an error if the disk is full
+  template <typename... Args> void print(const std::string &format, const Args &...args)
   {
-    if (fp) utils::print(fp, format, std::forward<Args>(args)...);
+    if (fp) write(fmt::vformat(format, fmt::make_format_args(args...)));
   }
-  void flush()
-  {
-    if (fp) fflush(fp);
-  }
+  void flush();
 
  private:
   std::string asking, header, file;
   bool continued;
   FILE *fp;
+
+  void write(const std::string &line);
+  [[noreturn]] void fail();
 };
 
 }    // namespace LAMMPS_NS

@@ -153,6 +153,26 @@ void DCMParameters::read_file(const DCMArgs &args)
   std::string current;
   for (const auto &line : Tokenizer(text, "\n").as_vector())
     read_line(line.substr(0, line.find('#')), current);
+
+  // misspelled, adhesion would quietly stay that of the cell type without a region
+
+  for (const auto &it : energies) {
+    const std::string name = it.first.first.substr(0, it.first.first.find(':'));
+    if (types.count(name)) continue;
+    std::set<std::string> known;
+    for (const auto &type : types) known.insert(type.first);
+    error->all(FLERR, "{}: parameter file {}: adhesion names the unknown cell type {}; it has: {}",
+               asking, file, name, utils::join_words({known.begin(), known.end()}, " "));
+  }
+}
+
+// a value that stands there twice, and not the same
+
+void DCMParameters::contradiction(const std::string &where, double before, double now) const
+{
+  if (before != now)
+    error->all(FLERR, "{}: {}: it has the value {} above already; remove one of the two", asking,
+               where, before);
 }
 
 // one of:  celltype NAME  |  KEYWORD VALUE  |  adhesion NAME[:REGION] NAME[:REGION] VALUE
@@ -164,6 +184,13 @@ void DCMParameters::read_line(const std::string &line, std::string &current)
   const std::string where = fmt::format("parameter file {}: '{}'", file, utils::trim(line));
   if (words[0] == "celltype" && words.size() == 2) {
     current = words[1];
+    if (current.find(':') != std::string::npos || current == "NULL")
+      error->all(FLERR,
+                 "{}: {}: a cell type cannot have this name: ':' stands before a region, and "
+                 "NULL for no cell type",
+                 asking, where);
+    if (types.count(current))
+      error->all(FLERR, "{}: {}: there is a cell type of this name above already", asking, where);
     types[current];
   } else if (words[0] == "adhesion" && words.size() == 4) {
     for (int k = 1; k <= 2; k++) {
@@ -175,11 +202,17 @@ void DCMParameters::read_line(const std::string &line, std::string &current)
                    asking, where, region);
     }
     const double value = DCMArgs::number(lmp, asking, "adhesion", words[3].c_str(), NONNEGATIVE);
-    energies[{words[1], words[2]}] = value;
+    const auto pair = std::make_pair(words[1], words[2]);
+    const auto given = energies.find(pair);
+    if (given != energies.end()) contradiction(where, given->second, value);
+    energies[pair] = value;
     energies[{words[2], words[1]}] = value;
   } else if (words.size() == 2 && !current.empty() &&
              std::find(KEYWORDS.begin(), KEYWORDS.end(), words[0]) != KEYWORDS.end()) {
-    types[current][words[0]] = DCMArgs::number(lmp, asking, words[0], words[1].c_str(), ANY);
+    const double value = DCMArgs::number(lmp, asking, words[0], words[1].c_str(), ANY);
+    const auto given = types[current].find(words[0]);
+    if (given != types[current].end()) contradiction(where, given->second, value);
+    types[current][words[0]] = value;
   } else {
     error->all(FLERR,
                "{}: {}: expected 'celltype NAME', 'KEYWORD VALUE' below a celltype, or "

@@ -81,6 +81,7 @@ class DCMParameters : protected Pointers, public DCMRanges {
 
   void read_file(const DCMArgs &);
   void read_line(const std::string &line, std::string &current);
+  void contradiction(const std::string &where, double before, double now) const;
   [[noreturn]] void unknown_type(const std::string &name) const;
 };
 

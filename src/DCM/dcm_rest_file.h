@@ -17,9 +17,10 @@ namespace LAMMPS_NS {
 
 // Rest-state files: what a LAMMPS data file cannot hold, the rest length of every edge and the rest
 // angle of every hinge, one line each and sorted by tags. Collective; errors name file and line.
+// partial: the file may leave some out, which keep theirs
 
 void dcm_write_rest_file(class LAMMPS *, const std::string &file);
-void dcm_read_rest_file(class LAMMPS *, const std::string &file);
+void dcm_read_rest_file(class LAMMPS *, const std::string &file, bool partial);
 
 }    // namespace LAMMPS_NS
 

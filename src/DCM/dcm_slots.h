@@ -16,11 +16,29 @@
 #include "pointers.h"
 #include "update.h"
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace LAMMPS_NS {
+
+// bits of a number spread over all others (splitmix64)
+
+inline uint64_t dcm_mix(uint64_t z)
+{
+  z += 0x9e3779b97f4a7c15ULL;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+  return z ^ (z >> 31);
+}
+
+// Atom::map() with an array does not look whether an ID is one
+
+inline int dcm_index_of(Atom *atom, tagint tag)
+{
+  return tag < 1 || tag > atom->map_tag_max ? -1 : atom->map(tag);
+}
 
 // Rest lengths and angles are state of the slot in which an atom stores a bond or dihedral. This
 // finds the slot of every entry of neighbor's list, which NTopo fills in the order of atoms and

@@ -9,13 +9,15 @@
 ------------------------------------------------------------------------- */
 
 // text files of the package (parameters, cell tables, rest states): rank 0 reads, all get the
-// text, so that all ranks parse it and find the same errors
+// text, so that all ranks parse it and find the same errors. Lines end with a newline, whatever the
+// editor that wrote them puts there, and the mark that some put before the first one is gone.
 
 #ifndef LMP_DCM_TEXT_H
 #define LMP_DCM_TEXT_H
 
 #include "comm.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -31,6 +33,8 @@ inline bool dcm_read_text(Comm *comm, MPI_Comm world, const std::string &path, s
     std::ifstream in(path);
     if (in) {
       text.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+      if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
+      if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
       size = (bigint) text.size();
     }
   }
@@ -40,6 +44,16 @@ inline bool dcm_read_text(Comm *comm, MPI_Comm world, const std::string &path, s
   MPI_Bcast(&text[0], (int) size, MPI_CHAR, 0, world);
   return true;
 }
+
+// write a file whole or not at all: a full disk leaves the old one. By one rank; the fault that
+// kept it from being written, "" if none did
+
+std::string dcm_replace_text(const std::string &path, const std::string &text);
+
+// give all ranks the text of one
+
+void dcm_bcast(MPI_Comm world, std::string &text, int root = 0);
+
 }    // namespace LAMMPS_NS
 
 #endif

@@ -15,6 +15,7 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "dcm_args.h"
+#include "dcm_deck_check.h"
 #include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "dcm_rest_file.h"
@@ -63,13 +64,15 @@ FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) :
   comm_forward = 4;
   comm_reverse = NCURVATURE;
   restart_global = 1;
+  stores_ids = 1;    // of vertices, which reset_atoms id does not know
 }
 
 FixDCMCell::~FixDCMCell() = default;
 
 int FixDCMCell::setmask()
 {
-  return PRE_NEIGHBOR | PRE_FORCE | MIN_PRE_NEIGHBOR | MIN_PRE_FORCE;
+  return PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE | MIN_PRE_EXCHANGE | MIN_PRE_NEIGHBOR |
+         MIN_PRE_FORCE;
 }
 
 FixDCMCell *FixDCMCell::find(LAMMPS *lmp)
@@ -141,6 +144,7 @@ void FixDCMCell::init()
   dcm = AtomVecDCM::require(lmp, "Fix dcm/cell");
   if (!force->newton_pair || !force->newton_bond)
     error->all(FLERR, "Fix dcm/cell needs newton on for pairs and bonds; remove 'newton off'");
+  dcm_check_deck(lmp, STYLE);
   if (update->whichflag == 2) check_minimize();
   table.reserve_molecules();
 }
@@ -154,6 +158,7 @@ void FixDCMCell::setup_pre_force(int vflag)
 {
   pre_force(vflag);
   check_surfaces();
+  check_topology();
   table.forget_saved();
 }
 
@@ -167,6 +172,8 @@ void FixDCMCell::pre_neighbor()
   snap_centers();
   build_faces();
   count_members();
+  report_fault();
+  if (domain->box_change) check_width();
   if (adjacency_wanted.any()) build_adjacency();
   move_faces();
   commflag = GEOMETRY;
@@ -244,22 +251,37 @@ void FixDCMCell::count_members()
   for (int i = 0; i < nall; i++) {
     const int kind = dcm->kind[i];
     if (kind == AtomVecDCM::SPHERE && spheres) cell_of_atom[i] = table.find(atom->molecule[i]);
+    if (kind < AtomVecDCM::SPHERE || kind > AtomVecDCM::TRACER) wrong_kind(i);
     if (kind != AtomVecDCM::NODE && kind != AtomVecDCM::FACE && kind != AtomVecDCM::CENTER)
       continue;
     if (last < 0 || table[last].molecule != atom->molecule[i]) last = table.find(atom->molecule[i]);
-    if (last < 0 || !table[last].deformable)
-      error->one(FLERR,
-                 "Fix dcm/cell: {} {} belongs to cell {}, which has no center atom; delete "
-                 "whole cells only",
-                 kind == AtomVecDCM::NODE ? "node" : "face", atom->tag[i], atom->molecule[i]);
+    if (last < 0 || !table[last].deformable) {
+      fault(atom->tag[i],
+            fmt::format("{} {} belongs to cell {}, which has no center atom; delete whole cells "
+                        "only, and leave 'reset_atoms mol' out, which knows bonds only",
+                        kind == AtomVecDCM::NODE ? "node" : "face", atom->tag[i],
+                        atom->molecule[i]));
+      last = -1;
+      continue;
+    }
     cell_of_atom[i] = last;
     if (i < atom->nlocal)
       parts[last] = dcm::CellSharing::OWNS;
     else if (parts[last] == dcm::CellSharing::NONE)
       parts[last] = dcm::CellSharing::TOUCHES;
-    if (i >= atom->nlocal) continue;
-    if (kind == AtomVecDCM::NODE) cell_sums[2 * last] += 1.0;
-    if (kind == AtomVecDCM::FACE) cell_sums[2 * last + 1] += 1.0;
+    if (i < atom->nlocal && kind == AtomVecDCM::NODE) {
+      cell_sums[2 * last] += 1.0;
+      const bigint stamp = AtomVecDCM::stamp(atom, i);
+      if (dcm->bonded[i] == 0) dcm->bonded[i] = stamp;
+      if (dcm->bonded[i] != stamp && !adopt_bonds(i))
+        fault(atom->tag[i],
+              fmt::format("the bonds or dihedrals of node {} (cell {}) were edited before step {}; "
+                          "rest lengths and angles of cells do not follow delete_bonds, "
+                          "create_bonds and fixes that change bonds: leave these out, or use a "
+                          "bond style of their own for other bonds (bond_style hybrid)",
+                          atom->tag[i], atom->molecule[i], update->ntimestep));
+    }
+    if (i < atom->nlocal && kind == AtomVecDCM::FACE) cell_sums[2 * last + 1] += 1.0;
   }
   list_centers();
   sum(cell_sums, 2);
@@ -377,11 +399,24 @@ int FixDCMCell::modify_param(int narg, char **arg)
   const bool writing = strcmp(arg[0], "rest/write") == 0;
   if (!writing && strcmp(arg[0], "rest/read") != 0) return 0;
   if (narg < 2) error->all(FLERR, "Fix_modify {} {} needs a file name", id, arg[0]);
-  if (writing)
+  const bool partial = !writing && narg > 2 && strcmp(arg[2], "partial") == 0;
+  if (writing) {
+    tagint edited = 0;
+    for (int i = 0; i < atom->nlocal; i++)
+      if (dcm->kind[i] == AtomVecDCM::NODE && dcm->bonded[i] &&
+          dcm->bonded[i] != AtomVecDCM::stamp(atom, i) && !adopt_bonds(i))
+        edited = std::max(edited, atom->tag[i]);
+    MPI_Allreduce(MPI_IN_PLACE, &edited, 1, MPI_LMP_TAGINT, MPI_MAX, world);
+    if (edited)
+      error->all(FLERR,
+                 "Fix dcm/cell: rest-state file {} is not written: the bonds or dihedrals of node "
+                 "{} were edited, and its rest lengths and angles do not follow delete_bonds, "
+                 "create_bonds or fixes that change bonds",
+                 arg[1], edited);
     dcm_write_rest_file(lmp, arg[1]);
-  else
-    dcm_read_rest_file(lmp, arg[1]);
-  return 2;
+  } else
+    dcm_read_rest_file(lmp, arg[1], partial);
+  return partial ? 3 : 2;
 }
 
 /* ---------------------------------------------------------------------- */

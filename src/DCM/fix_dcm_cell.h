@@ -24,6 +24,7 @@ FixStyle(dcm/cell,FixDCMCell);
 
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -50,6 +51,7 @@ class FixDCMCell : public Fix {
   ~FixDCMCell() override;
   int setmask() override;
   void init() override;
+  void setup_pre_exchange() override;
   void setup_pre_neighbor() override;
   void pre_neighbor() override;
   void setup_pre_force(int) override;
@@ -198,11 +200,26 @@ class FixDCMCell : public Fix {
   void build_faces();
   void build_adjacency();
   void missing_vertex(int, tagint);
+  void wrong_vertex(int, int);
+  void wrong_kind(int);
+  bool adopt_bonds(int);
+  void check_width();
+
+  // what is wrong with atoms at a rebuild: of a run an error at once, at its start that of the
+  // lowest ID, so that there is one, the same on any number of processes
+
+  struct Fault {
+    tagint tag = 0;
+    std::string text;
+  } first_fault;
+  void fault(tagint tag, const std::string &text);
+  void report_fault();
   void move_faces();
   void measure_faces();
   void measure_cells();
   void measure_curvature();
   void check_surfaces();
+  void check_topology();
   void check_minimize();
 };
 

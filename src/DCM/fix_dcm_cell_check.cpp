@@ -16,10 +16,12 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_compat.h"
+#include "dcm_text.h"
 #include "law/vector.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "irregular.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "update.h"
@@ -40,15 +42,107 @@ void FixDCMCell::missing_vertex(int i, tagint vertex)
 {
   const double cutoff = comm->get_comm_cutoff(), need = 2.0 * atom->radius[i] + neighbor->skin;
   if (comm->nprocs > 1 && cutoff < need)
-    error->one(FLERR,
-               "Fix dcm/cell: vertex {} of face {} (cell {}) is not known to this rank at step {}: "
-               "the ghost cutoff {:.4} is below an edge length; set 'comm_modify cutoff {:.4}'",
-               vertex, atom->tag[i], atom->molecule[i], update->ntimestep, cutoff, need);
-  error->one(FLERR,
-             "Fix dcm/cell: vertex {} of face {} (cell {}) does not exist at step {}: it was "
-             "deleted (delete whole cells only), is missing in the data file, or was lost through "
-             "a fixed boundary (use 'boundary s' or p, or reduce the timestep)",
-             vertex, atom->tag[i], atom->molecule[i], update->ntimestep);
+    return fault(atom->tag[i],
+                 fmt::format("vertex {} of face {} (cell {}) is not known to this rank at step {}: "
+                             "the ghost cutoff {:.4} is below an edge length; set 'comm_modify "
+                             "cutoff {:.4}'",
+                             vertex, atom->tag[i], atom->molecule[i], update->ntimestep, cutoff,
+                             need));
+  fault(atom->tag[i],
+        fmt::format("vertex {} of face {} (cell {}) does not exist at step {}: {}", vertex,
+                    atom->tag[i], atom->molecule[i], update->ntimestep,
+                    vertex < 1
+                        ? "atom IDs were changed by 'reset_atoms id' before fix dcm/cell was "
+                          "defined, which vertices of faces do not follow; leave it out"
+                        : "it was deleted (delete whole cells only), is missing in the data file, "
+                          "was given another ID ('reset_atoms id' does not know the vertices of "
+                          "faces), or was lost through a fixed boundary (use 'boundary s' or p, or "
+                          "reduce the timestep)"));
+}
+
+/* ----------------------------------------------------------------------
+   atoms at a rebuild that are not what they should be
+------------------------------------------------------------------------- */
+
+static const char *const KINDS[] = {"atom", "sphere", "center", "node", "face", "tracer"};
+
+void FixDCMCell::wrong_vertex(int face, int vertex)
+{
+  const int kind = dcm->kind[vertex];
+  fault(atom->tag[face],
+        fmt::format("face {} of cell {} has vertex {}, which is a {} of cell {} at step {}; a face "
+                    "has three nodes of its own cell: correct the data file or the molecule IDs, "
+                    "and leave 'reset_atoms' out, which vertices of faces do not follow",
+                    atom->tag[face], atom->molecule[face], atom->tag[vertex],
+                    KINDS[kind < 0 || kind > AtomVecDCM::TRACER ? 0 : kind], atom->molecule[vertex],
+                    update->ntimestep));
+}
+
+void FixDCMCell::wrong_kind(int i)
+{
+  fault(atom->tag[i],
+        fmt::format("atom {} has kind {} at step {}: it was made by a command or fix that does not "
+                    "know cells; make cells with create_cells",
+                    atom->tag[i], dcm->kind[i], update->ntimestep));
+}
+
+void FixDCMCell::fault(tagint tag, const std::string &text)
+{
+  if (!update->setupflag) error->one(FLERR, "Fix dcm/cell: {}", text);
+  if (first_fault.tag == 0 || tag < first_fault.tag) first_fault = {tag, text};
+}
+
+void FixDCMCell::report_fault()
+{
+  if (!update->setupflag) return;
+  tagint mine = first_fault.tag ? first_fault.tag : MAXTAGINT, lowest;
+  MPI_Allreduce(&mine, &lowest, 1, MPI_LMP_TAGINT, MPI_MIN, world);
+  if (lowest == MAXTAGINT) return;
+  int rank = mine == lowest ? comm->me : comm->nprocs, teller;    // ghosts are looked at as well
+  MPI_Allreduce(&rank, &teller, 1, MPI_INT, MPI_MIN, world);
+  std::string text = first_fault.text;
+  first_fault = Fault();
+  dcm_bcast(world, text, teller);
+  error->all(FLERR, "Fix dcm/cell: {}", text);
+}
+
+/* ----------------------------------------------------------------------
+   a box that changes may get too small for the closest images of a cell's atoms
+------------------------------------------------------------------------- */
+
+void FixDCMCell::check_width()
+{
+  double **x = atom->x;
+  for (int f = 0; f < nowned_faces; f++) {
+    const Face &face = face_list[f];
+    const auto &cell = table[face.cell];
+    Vec3 d = vec(x[face.v[0]]) - vec(cell.x);
+    dcm_minimum_image(domain, d[0], d[1], d[2]);
+    for (int k = 0; k < 3; k++)
+      if (domain->periodicity[k] && std::fabs(d[k]) > 0.25 * domain->prd[k])
+        error->one(FLERR,
+                   "Fix dcm/cell: cell {} spans {:.3} of a periodic box length at step {}; a "
+                   "periodic box must be at least two cells wide in every periodic direction, also "
+                   "while it shrinks",
+                   cell.molecule, 2.0 * std::fabs(d[k]) / domain->prd[k], update->ntimestep);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   Where the box follows the atoms, a run may begin in a much smaller one than the deck gave, and
+   atoms be far from their process. LAMMPS hands them to the next one only and loses the others.
+------------------------------------------------------------------------- */
+
+void FixDCMCell::setup_pre_exchange()
+{
+  if (comm->nprocs == 1 || domain->nonperiodic != 2) return;
+  if (domain->triclinic) domain->x2lamda(atom->nlocal);
+  domain->pbc();
+  domain->reset_box();
+  Irregular irregular(lmp);
+  if (comm->layout != LAMMPS_NS::Comm::LAYOUT_TILED && irregular.migrate_check())
+    irregular.migrate_atoms(1);
+  if (domain->triclinic) domain->lamda2x(atom->nlocal);
 }
 
 /* ----------------------------------------------------------------------

@@ -16,6 +16,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_slots.h"
 #include "domain.h"
 #include "law/curvature.h"
 #include "law/volume.h"
@@ -44,7 +45,9 @@ void FixDCMCell::build_faces()
     Face face = {i, {-1, -1, -1}, -1};
     for (int k = 0; k < 3; k++) {
       const tagint tag = atom->tag[i] + dcm->vertex[i][k];
-      const int j = tag > atom->map_tag_max ? -1 : atom->map(tag);    // map() does not check
+      const int j = dcm_index_of(atom, tag);
+      if (j >= 0 && (dcm->kind[j] != AtomVecDCM::NODE || atom->molecule[j] != atom->molecule[i]))
+        wrong_vertex(i, j);
       if (j >= 0) face.v[k] = domain->closest_image(i, j);
 
       if (j >= 0) {

@@ -15,6 +15,7 @@
 #include "comm.h"
 #include "dcm_compat.h"
 #include "dcm_args.h"
+#include "dcm_deck_check.h"
 #include "dcm_record.h"
 #include "law/vector.h"
 #include "domain.h"
@@ -134,6 +135,9 @@ void FixDCMConfine::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
   if (!held.empty()) plane_bit = dcm_find_group(lmp, std::string(STYLE) + ": group", held);
+  const auto cells = {AtomVecDCM::CENTER, AtomVecDCM::SPHERE};
+  if (target != 0.0) dcm_check_group(lmp, STYLE, igroup, cells);
+  if (plane >= 0) dcm_check_group(lmp, STYLE, held.empty() ? igroup : group->find(held), cells);
   if (target == 0.0) return;
   measured_bit = dcm_find_group(lmp, std::string(STYLE) + ": over", measured);
   if (!(traits_of(lmp) & GIVES_PRESSURE))

@@ -14,6 +14,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_args.h"
+#include "dcm_deck_check.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "update.h"
@@ -95,6 +96,7 @@ void FixDCMConstriction::init()
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   adjacency = cell->request_adjacency();
   auto &table = cell->change_cells();
   since = table.add(STYLE, "constricted", DCMColumn::RESET, -1.0, {}, since);

@@ -17,6 +17,7 @@
 #include "dcm_cell_bins.h"
 #include "dcm_compat.h"
 #include "dcm_cell_variable.h"
+#include "dcm_deck_check.h"
 #include "dcm_record.h"
 #include "law/random.h"
 #include "law/shape.h"
@@ -126,6 +127,7 @@ void FixDCMConvert::init()
 {
   nevery = look_every(lmp, every, 100);
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER, AtomVecDCM::SPHERE});
   if (!cell->expects_deformable())
     error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck", STYLE);
   spheres = cell->request_spheres();

@@ -14,6 +14,7 @@
 #include "comm.h"
 #include "dcm_args.h"
 #include "dcm_cell_variable.h"
+#include "dcm_deck_check.h"
 #include "dcm_record.h"
 #include "law/random.h"
 #include "dcm_cell_surgery.h"
@@ -101,6 +102,7 @@ void FixDCMDeath::post_constructor()
 void FixDCMDeath::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER, AtomVecDCM::SPHERE});
   spheres = cell->request_spheres();
   cell->refresh();
   cell->cells().require_ids(STYLE);

@@ -14,6 +14,7 @@
 #include "bond_dcm_cortex.h"
 #include "comm.h"
 #include "dcm_cell_variable.h"
+#include "dcm_deck_check.h"
 #include "dcm_record.h"
 #include "law/random.h"
 #include "dihedral_dcm_bend.h"
@@ -133,6 +134,7 @@ void FixDCMDivision::post_constructor()
 void FixDCMDivision::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER, AtomVecDCM::SPHERE});
   spheres = cell->request_spheres();
   cell->refresh();
   cell->cells().require_ids(STYLE);

@@ -14,6 +14,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_args.h"
+#include "dcm_deck_check.h"
 #include "dcm_parameters.h"
 #include "dcm_record.h"
 #include "law/volume.h"
@@ -147,6 +148,7 @@ void FixDCMGrowth::post_constructor()
 void FixDCMGrowth::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER, AtomVecDCM::SPHERE});
   spheres = cell->request_spheres();
   cycles = cell->change_cells().add(STYLE, "growth", DCMColumn::INHERIT, 0.0, FIELDS, cycles);
 

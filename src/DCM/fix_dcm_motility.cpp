@@ -12,6 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
+#include "dcm_deck_check.h"
 #include "law/random.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
@@ -100,6 +101,7 @@ int FixDCMMotility::setmask()
 void FixDCMMotility::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER, AtomVecDCM::SPHERE});
   parameters.resolve();
   read_types();
   bool unnamed = false;

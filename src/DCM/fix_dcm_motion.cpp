@@ -13,6 +13,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_deck_check.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
@@ -115,6 +116,7 @@ void FixDCMMotion::init()
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::NODE, AtomVecDCM::SPHERE});
   check_deck();
   roles = DCMRole::of(lmp);
   if (automatic && (traits_of(lmp) & FIXED_STEP))

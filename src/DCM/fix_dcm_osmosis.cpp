@@ -15,6 +15,7 @@
 #include "comm.h"
 #include "dcm_args.h"
 #include "dcm_compat.h"
+#include "dcm_deck_check.h"
 #include "dcm_record.h"
 #include "domain.h"
 #include "error.h"
@@ -184,6 +185,7 @@ void FixDCMOsmosis::init()
   nevery = look_every(lmp, every, 10);
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   graph.init();
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   auto &table = cell->change_cells();

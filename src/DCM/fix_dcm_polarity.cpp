@@ -16,6 +16,7 @@
 #include "dcm_args.h"
 #include "dcm_cell_variable.h"
 #include "dcm_compat.h"
+#include "dcm_deck_check.h"
 #include "dcm_record.h"
 #include "domain.h"
 #include "error.h"
@@ -154,6 +155,7 @@ void FixDCMPolarity::init()
   nevery = look_every(lmp, every, 10);
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   if (!contact)
     error->all(FLERR,

@@ -13,6 +13,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_args.h"
+#include "dcm_deck_check.h"
 #include "dcm_record.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
@@ -92,6 +93,7 @@ int FixDCMSignal::setmask()
 void FixDCMSignal::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   spheres = cell->request_spheres();    // that may signal as well
   auto &table = cell->change_cells();
   signal = table.add(STYLE, "signal", DCMColumn::RESET, 0.0, {}, signal);

@@ -11,6 +11,7 @@
 #include "fix_dcm_tension.h"
 
 #include "atom.h"
+#include "dcm_deck_check.h"
 #include "dcm_unknowns.h"
 #include "error.h"
 #include "group.h"
@@ -100,6 +101,7 @@ void FixDCMTension::init()
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   parameters.resolve();
   find_variables();
   read_tensions();

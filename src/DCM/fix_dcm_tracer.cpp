@@ -13,6 +13,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_args.h"
+#include "dcm_slots.h"
 #include "domain.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
@@ -292,7 +293,7 @@ dcm::Tracer FixDCMTracer::load(int i)
   t.home = dcm->vertex[i][AtomVecDCM::HOME];
   const tagint host = dcm->vertex[i][AtomVecDCM::HOST];
   if (host == 0) return t;
-  int j = host > atom->map_tag_max ? -1 : atom->map(host);
+  int j = dcm_index_of(atom, host);
   if (j >= 0) j = domain->closest_image(i, j);
   if (j >= 0) t.host = cell->face_of(j);
   if (t.host >= 0 && !faces[t.host].known) t.host = -1;

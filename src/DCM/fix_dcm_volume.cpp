@@ -14,6 +14,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_compat.h"
+#include "dcm_deck_check.h"
 #include "dcm_unknowns.h"
 #include "law/curvature.h"
 #include "law/stiffness.h"
@@ -72,6 +73,7 @@ int FixDCMVolume::setmask()
 void FixDCMVolume::init()
 {
   cell = FixDCMCell::require(lmp, STYLE);
+  dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   sum = cell->change_cells().contribute("pressure");
   parameters.resolve();
   read_moduli();

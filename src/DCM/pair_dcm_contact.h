@@ -250,6 +250,7 @@ class PairDCMContact : public Pair, public DCMRole {
   std::vector<double *> kept();
   void measure_mesh();
   void choose_lengths();
+  void check_scale();
   void lay_out();
   void read_types();
   void report_layers();

@@ -461,6 +461,13 @@ void PairDCMContact::fail_pair(int i, int j, double depth, double limit, double 
                "{} at step {}; coincident cells, or a timestep too large",
                atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], force,
                update->ntimestep);
+  if (update->setupflag)
+    error->one(FLERR,
+               "Pair style dcm/contact: cells {} and {} overlap at the start of the run: atoms {} "
+               "and {} by {:.4} at step {}, more than {:.4}; move them apart in the data file or "
+               "the create_cells command, or raise keyword range",
+               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
+               update->ntimestep, limit);
   error->one(FLERR,
              "Pair style dcm/contact: cells {} and {} run into each other: atoms {} and {} overlap "
              "by {:.4} at step {}, more than {:.4}; reduce the timestep or fix dcm/motion maxmove, "

@@ -19,6 +19,7 @@
 #include "dcm_allgather.h"
 #include "dcm_compat.h"
 #include "dcm_record.h"
+#include "dcm_slots.h"
 #include "error.h"
 #include "fix_neigh_history.h"
 #include "force.h"
@@ -59,7 +60,7 @@ void PairDCMContact::measure_mesh()
 
   std::vector<tagint> mine;
   auto owned = [&](tagint tag) {
-    const int j = tag > atom->map_tag_max ? -1 : atom->map(tag);    // map() does not check
+    const int j = dcm_index_of(atom, tag);
     return j >= 0 && j < nlocal ? j : -1;
   };
   for (int i = 0; i < nlocal; i++) {

@@ -15,6 +15,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "dcm_deck_check.h"
 #include "law/jkr.h"
 #include "law/volume.h"
 #include "error.h"
@@ -50,6 +51,10 @@ static constexpr double UNLIKE = 1.5;
 // thickness of the layer of law foundation, um: of the order of the cell cortex [ours]
 
 static constexpr double LAYER = 0.25;
+
+// more than any deck can need: neighbor skin in radii of the largest cell, growth of radii
+
+static constexpr double MOST_SKIN = 10.0, MOST_GROWTH = 100.0;
 
 // mean edge of a mesh of 162 nodes, in radii of the cell
 
@@ -135,6 +140,7 @@ void PairDCMContact::settings(int narg, char **arg)
     } else {
       now.growth = args.number(DCMArgs::POSITIVE);
       args.check(now.growth >= 1.0, "at least 1 (no growth)");
+      args.check(now.growth <= MOST_GROWTH, "at most 100 (radii, not volumes)");
     }
   }
   if (now.history && !LAWS[now.law].with_history[0])
@@ -180,6 +186,7 @@ void PairDCMContact::init_style()
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   if (!force->newton_pair) error->all(FLERR, "{} needs newton on; remove 'newton off'", STYLE);
+  dcm_check_deck(lmp, STYLE);
 
   traits_of_deck = traits_of(lmp);
   set_sisters({});
@@ -294,6 +301,7 @@ void PairDCMContact::choose_lengths()
   std::string chosen;
   if (!expect_faces) {
     // nothing to derive lengths from yet; spheres use neither
+    check_scale();
     if (h0_used == 0.0) overlap_used = 0.0;
     return;
   }
@@ -317,6 +325,7 @@ void PairDCMContact::choose_lengths()
       chosen += fmt::format(", range {:.6g}", range_used);
     }
   }
+  check_scale();
   overlap_used = set.maxoverlap > 0.0 ? set.maxoverlap : range_used;
   if (range_used < h0_used || overlap_used > range_used)
     error->all(FLERR, "{}: range is {}, must not be below h0 ({}) and maxoverlap ({})", STYLE,
@@ -338,6 +347,47 @@ void PairDCMContact::choose_lengths()
                      "edges of at most {:.4g}",
                      STYLE, h0_used, mean_edge, H0_RESOLVED * mean_edge, h0_used / H0_RESOLVED);
   }
+}
+
+/* ----------------------------------------------------------------------
+   lengths that would reach over whole cells: of another unit than the deck's, most often. Ghosts of
+   many periodic images would take all memory, and without them the numbers would be wrong.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::check_scale()
+{
+  double size = cell_radius;
+  for (const auto &info : types)
+    if (info.kind == AtomVecDCM::SPHERE) size = std::max(size, info.radius);
+  if (size == 0.0) return;
+  if (expect_faces && h0_used >= size)
+    error->all(FLERR,
+               "{}: h0 is {:.4g}{}, must be below a cell radius, which is {:.4g} at most: are the "
+               "lengths of deck and parameters in one unit? Give h0 in that of the deck",
+               STYLE, h0_used, set.h0_auto ? " (h0 auto, at least that)" : "", size);
+  if (expect_faces && range_used >= 2.0 * size)
+    error->all(FLERR,
+               "{}: range is {:.4g}, must be below a cell's diameter, which is {:.4g} at most: are "
+               "the lengths of deck and parameters in one unit?",
+               STYLE, range_used, 2.0 * size);
+  for (int t = 1; set.law == FOUNDATION && t <= atom->ntypes; t++) {
+    if (!types[t].active) continue;
+    const double layer = parameters->get(t, "layer", DCMParameters::POSITIVE, LAYER);
+    if (layer >= size)
+      error->all(
+          FLERR,
+          "{}: layer of cell type {} is {:.4g}{}, must be below a cell radius, which is "
+          "{:.4g} at most: are the lengths of deck and parameters in one unit? Give layer in "
+          "that of the deck",
+          STYLE, parameters->name(t), layer, parameters->has(t, "layer") ? "" : " (the default)",
+          size);
+  }
+  if (neighbor->skin > MOST_SKIN * size)
+    error->all(
+        FLERR,
+        "{}: the neighbor skin is {:.4g}, {:.3g} times the largest cell radius ({:.4g}): are "
+        "the lengths of deck and parameters in one unit? Set 'neighbor {:.3g} multi'",
+        STYLE, neighbor->skin, neighbor->skin / size, size, 0.1 * size);
 }
 
 /* ----------------------------------------------------------------------

@@ -1,6 +1,7 @@
 """Damaged data and restart files, also on two ranks: one error; files stay."""
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -152,3 +153,160 @@ def test_restart_without_coefficients(lmp, saved):
     files = {"cells.restart": saved[0] / "cells.restart"}
     deck = "read_restart cells.restart\nfix cell all dcm/cell\n"
     fails(lmp, deck, "[Pp]air.*coeff", files=files)
+
+
+# --- rest files -----------------------------------------------------------------------------------
+
+NEDGES = 2 * 120    # of two cells of 42 nodes; as many hinges
+
+
+@pytest.fixture(scope="module")
+def rested(lmp_module, scenes):
+    """A data file and the lines of its rest file."""
+    deck = whole(scenes.doublet()) + "run 0\nwrite_data cells.data nocoeff\n"
+    path = lmp_module(deck + "fix_modify cell rest/write cells.rest\n").path
+    return (path / "cells.data").read_text(), (path / "cells.rest").read_text().splitlines()
+
+
+def rest_changes(lines):
+    body = [line for line in lines if not line.startswith("#")]
+    edge = next(line for line in body if len(line.split()) == 3)
+    hinge = next(line for line in body if len(line.split()) == 5)
+    half = lines[: len(lines) // 2]
+    return {
+        "cut": (half, "names [0-9]+ of 240 edges and [0-9]+ of 240 hinges: it was cut short"),
+        "empty": ([], "names 0 of 240 edges"),
+        "header only": (lines[:1], "names 0 of 240 edges"),
+        "line taken out": ([x for x in lines if x != edge], "is damaged.* 239 edges and 240"),
+        "value changed": ([x.replace(edge, edge + "1") for x in lines], "is damaged"),
+        "no last line, edge out": ([x for x in lines[:-1] if x != edge], "names 239 of 240 edges"),
+        "no last line, hinge out": ([x for x in lines[:-1] if x != hinge],
+                                    "240 of 240 edges and 239 of 240 hinges"),
+        "edge twice": ([*lines[:-1], edge], "names an edge or hinge twice"),
+        "edge turned": ([*lines[:-1], " ".join([*edge.split()[1::-1], "3"])],
+                        "names an edge or hinge twice"),
+        "unknown ID": ([*lines[:-1], "5 2000000000 3.0"], "only 480 of the 481 .*another data"),
+        "ID beyond the map": ([*lines[:-1], "5 99999 3.0"], "only 480 of the 481"),
+        "ID zero": ([*lines[:-1], "0 5 3.0"], "only 480 of the 481"),
+        "ID negative": ([*lines[:-1], "-4 5 3.0"], "only 480 of the 481"),
+        "hinge of nodes": ([*lines[:-1], "2 -3 4 5 0.1"], "only 480 of the 481"),
+        "no edge": ([*lines[:-1], "2 3 4 3.0"], "expected 2 or 4 tags"),
+        "length zero": ([*lines[:-1], " ".join([*edge.split()[:2], "0"])], "bad rest value"),
+        "text": ([*lines[:-1], "rest"], "'rest'"),
+    }
+
+
+REST = list(rest_changes(["2 3 1.0", "2 3 4 5 0.1"]))
+
+
+@pytest.mark.parametrize("case", REST)
+def test_rest_file(lmp, scenes, rested, case):
+    lines, *patterns = rest_changes(rested[1])[case]
+    deck = reading(scenes.doublet()) + "fix_modify cell rest/read cells.rest\n"
+    text = "".join(line + "\n" for line in lines)
+    files = {"cells.data": rested[0], "cells.rest": text}
+    fails(lmp, deck, "Fix dcm/cell", "cells.rest", *patterns, files=files)
+
+
+@pytest.mark.parametrize("case", ["cut", "unknown ID", "edge twice"])
+def test_rest_file_three_ranks(lmp, scenes, rested, case):
+    lines, *patterns = rest_changes(rested[1])[case]
+    deck = reading(scenes.doublet()) + "fix_modify cell rest/read cells.rest\n"
+    files = {"cells.data": rested[0], "cells.rest": "".join(line + "\n" for line in lines)}
+    fails(lmp, deck, *patterns, files=files, np=3)
+
+
+def test_rest_file_as_editors_leave_it(lmp, scenes, rested):
+    """Blank lines, Windows line ends and a mark change nothing; nor does the order, without the
+    last line. The file that is written again is the same."""
+    data, lines = rested
+    kept = {
+        "as written": "\n".join(lines) + "\n",
+        "blank lines": "\n\n".join(lines) + "\n  \r\n \n",
+        "windows": "\r\n".join(lines) + "\r\n",
+        "mac": "\r".join(lines) + "\r",
+        "mark": "\ufeff" + "\n".join(lines) + "\n",
+        "order": "\n".join(reversed(lines[:-1])) + "\n",
+    }
+    deck = reading(scenes.doublet()) + "fix_modify cell rest/read cells.rest\n"
+    deck += "fix_modify cell rest/write again.rest\n"
+    for name, text in kept.items():
+        (lmp.folder / "cells.rest").write_bytes(text.encode())
+        done = lmp(deck, files={"cells.data": data, "cells.rest": lmp.folder / "cells.rest"})
+        assert (done.path / "again.rest").read_text().splitlines() == lines, name
+
+
+def test_rest_file_partial(lmp, scenes, rested):
+    """Said so, some edges and hinges may keep theirs."""
+    data, lines = rested
+    edges = [line for line in lines if len(line.split()) == 3 and line[0] != "#"]
+    a, b, length = edges[7].split()
+    files = {"cells.data": data, "cells.rest": "\n".join(lines) + "\n",
+             "some.rest": f"{a} {b} {2 * float(length):.17g}\n"}  # fmt: skip
+    deck = reading(scenes.doublet()) + "fix_modify cell rest/read cells.rest\n"
+    deck += "fix_modify cell rest/read some.rest partial\nfix_modify cell rest/write new.rest\n"
+    now = (lmp(deck, files=files).path / "new.rest").read_text().splitlines()
+    changed = {x for x in now if x not in lines}
+    assert {x for x in changed if x[0] != "#"} == {f"{a} {b} {2 * float(length):.17g}"}
+
+
+def test_rest_file_before_the_first_run(lmp, scenes, rested):
+    """A data file has no rest lengths: there is nothing to write yet."""
+    deck = reading(scenes.doublet()) + "fix_modify cell rest/write new.rest\n"
+    result = fails(lmp, deck, "240 of 240 edges have no rest length yet; do a 'run 0' before",
+                   files={"cells.data": rested[0]})
+    assert not (result.path / "new.rest").exists()
+
+
+# --- output ---------------------------------------------------------------------------------------
+
+FULL = Path("/dev/full")    # every write fails: no space left on device
+needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full")
+
+
+@needs_full
+@pytest.mark.parametrize("np", [1, 2])
+def test_rest_file_disk_full(lmp, scenes, np):
+    deck = whole(scenes.doublet()) + "run 0\nfix_modify cell rest/write /dev/full\n"
+    result = lmp.run(deck, np=np)
+    assert "Fix dcm/cell: cannot write rest-state file /dev/full: No space left" in result.error
+    assert FULL.is_char_device()
+
+
+def test_rest_file_folder_missing(lmp, scenes):
+    deck = whole(scenes.doublet()) + "run 0\nfix_modify cell rest/write none/cells.rest\n"
+    assert "cannot write rest-state file none/cells.rest: No such file" in lmp.run(deck).error
+
+
+def test_rest_file_keeps_the_old_one(lmp, scenes):
+    """A new file takes the place of the old one when it is whole; here it cannot be begun."""
+    deck = whole(scenes.doublet()) + "run 0\nshell mkdir cells.rest.part\n"
+    result = lmp.run(deck + "fix_modify cell rest/write cells.rest\n", files={"cells.rest": "old"})
+    assert "cannot write rest-state file cells.rest" in result.error
+    assert (result.path / "cells.rest").read_text() == "old"
+
+
+def test_rest_file_through_a_link(lmp, scenes):
+    deck = whole(scenes.doublet()) + "run 0\nshell ln -s real.rest link.rest\n"
+    path = lmp(deck + "fix_modify cell rest/write link.rest\n").path
+    assert (path / "link.rest").is_symlink() and not (path / "real.rest").is_symlink()
+    assert (path / "real.rest").read_text().startswith("# LAMMPS-DCM rest state")
+    assert not (path / "real.rest.part").exists()
+
+
+LOGS = {
+    "division": ("fix grow all dcm/growth {map} seed 1 cycle_time 4 rounding 0 1\n"
+                 "fix f all dcm/division seed 3 log /dev/full\n", "Fix dcm/division"),
+    "death": ("fix f all dcm/death age 1 log /dev/full\n", "Fix dcm/death"),
+}
+
+
+@needs_full
+@pytest.mark.parametrize("case", LOGS)
+def test_log_disk_full(lmp, scenes, case):
+    """The header of a log is the first that does not fit."""
+    text, style = LOGS[case]
+    scene = scenes.doublet()
+    contact = scene.contact().replace("neighbor 0.6", "neighbor 1.0")
+    fails(lmp, whole(scene, contact=contact, extra=text.format(map=scene.map)),
+          f"{style}: cannot write to log /dev/full: No space left")

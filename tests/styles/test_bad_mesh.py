@@ -1,5 +1,6 @@
 """Bad meshes and arguments of create_cells: one error that names value and remedy; files stay."""
 
+import numpy as np
 import pytest
 
 from support.bad_decks import fails, whole
@@ -53,6 +54,60 @@ def bad_meshes():
         "nan": (text.replace("1 0 0", "nan 0 0", 1), "'nan' is not a finite number"),
         "no OFF": (text.replace("OFF", "FFO"), "OFF"),
     }
+
+
+def through_itself():
+    """An octahedron whose top is pulled out below its bottom: closed, of positive volume."""
+    nodes, faces = octahedron()
+    nodes = [*nodes, (0.3, 0.3, 0.9)]
+    a, b, c = faces[0]
+    faces = [*faces[1:], (a, b, 6), (b, c, 6), (c, a, 6)]
+    nodes[6] = (-0.5, -0.5, -1.5)    # this corner stands out of the opposite face
+    return nodes, faces
+
+
+def test_surface_through_itself(lmp, scenes):
+    scene = scenes.Scene()
+    scene.dcm(0.0, 0.0, 0.0, 6.0, mesh=("bad.off", 7, 10))
+    nodes, faces = through_itself()
+    fails(lmp, whole(scene), "Create_cells: bad mesh: the surface runs through itself at faces",
+          files={"bad.off": off(nodes, faces)})  # fmt: skip
+
+
+def as_written():
+    """The octahedron as programs and editors write it."""
+    nodes, faces = octahedron()
+    text = off(nodes, faces)
+    obj = "".join(f"v {x} {y} {z}\n" for x, y, z in nodes)
+    obj += "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
+    joined = obj.replace("f 1 ", "f 1 \\\n  ").replace("v -1 0", "v -1 \\\n0")
+    return {
+        "plain.off": text,
+        "bom.off": "\ufeff" + text,
+        "lower.off": text.replace("OFF", "off"),
+        "glued.off": text.replace("OFF\n", "OFF"),
+        "windows.off": text.replace("\n", "\r\n"),
+        "mac.off": text.replace("\n", "\r"),
+        "no_end.off": text.rstrip("\n"),
+        "plain.obj": obj,
+        "bom.obj": "\ufeff" + obj,
+        "joined.obj": joined,
+        "joined_windows.obj": joined.replace("\n", "\r\n"),
+        "mac.obj": obj.replace("\n", "\r"),
+    }
+
+
+@pytest.mark.parametrize("name", as_written())
+def test_mesh_file_as_written(lmp, scenes, name):
+    """Nodes where the file has them: an octahedron of unit half axes, volume 4/3, at radius 6."""
+    scene = scenes.Scene(boundary="p p p")
+    scene.dcm(0.0, 0.0, 0.0, 6.0, mesh=(name, 6, 8), options="scale nodes")
+    (lmp.folder / name).write_bytes(as_written()[name].encode())
+    deck = scene.head() + "write_dump all custom d.txt id type x y z modify format float %.17g\n"
+    frame = lmp(deck, files={name: lmp.folder / name}).dump("d.txt")[0]
+    found = frame.x[frame["type"] == 2]
+    expected = 6.0 * np.array(octahedron()[0], dtype=float)
+    assert found == pytest.approx(expected, abs=1e-12)
 
 
 @pytest.mark.parametrize("case", bad_meshes())

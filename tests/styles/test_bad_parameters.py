@@ -109,6 +109,16 @@ PAIR_COEFF = {
     "file keyword": ("* * key.dcm a a a a", "Pair.*key.dcm.*E_contcat 1.*known keywords"),
     "file adhesion": ("* * adh.dcm a a a a", "Pair.*adhesion is -1.*zero or positive"),
     "file region": ("* * reg.dcm a a a a", "Pair.*unknown region top; known"),
+    "adhesion of a misspelled type": ("* * typo.dcm a a a a",
+                                      "typo.dcm: adhesion names the unknown cell type aa.*has: a"),
+    "adhesion of a missing type": ("* * gone.dcm a a a a", "names the unknown cell type b"),
+    "adhesion twice": ("* * two.dcm a a a a",
+                       "'adhesion b a 0.2': it has the value 0.1 above already; remove one"),
+    "adhesion of regions twice": ("* * regs.dcm a a a a", "it has the value 0.1 above already"),
+    "value twice": ("* * value.dcm a a a a", "'E_contact 2': it has the value 1 above already"),
+    "type twice": ("* * types.dcm a a a a", "'celltype a': there is a cell type of this name"),
+    "region in a type": ("* * colon.dcm a a a a", "'celltype a:apical'.*':' stands before a reg"),
+    "type NULL": ("* * null.dcm a a a a", "'celltype NULL'.*NULL for no cell type"),
 }  # fmt: skip
 FILES = {
     "soft.dcm": "celltype a\n nu_contact 0.4\nadhesion a a 0.1\n",
@@ -118,6 +128,15 @@ FILES = {
     "key.dcm": "celltype a\n E_contcat 1\n",
     "adh.dcm": "celltype a\n E_contact 1\nadhesion a a -1\n",
     "reg.dcm": "celltype a\n E_contact 1\nadhesion a:top a 1\n",
+    "typo.dcm": "celltype a\n E_contact 1\n nu_contact 0.4\nadhesion a a 1\n"
+                "adhesion aa:apical a 0\n",
+    "gone.dcm": "celltype a\n E_contact 1\n nu_contact 0.4\nadhesion a a 1\nadhesion a b 0\n",
+    "two.dcm": "celltype a\ncelltype b\nadhesion a b 0.1\nadhesion b a 0.2\n",
+    "regs.dcm": "celltype a\nadhesion a:apical a:basal 0.1\nadhesion a:basal a:apical 0.2\n",
+    "value.dcm": "celltype a\n E_contact 1\n E_contact 2\nadhesion a a 1\n",
+    "types.dcm": "celltype a\n E_contact 1\ncelltype a\n nu_contact 0.4\nadhesion a a 1\n",
+    "colon.dcm": "celltype a:apical\n E_contact 1\n",
+    "null.dcm": "celltype NULL\n E_contact 1\n",
 }
 
 
@@ -132,3 +151,19 @@ def test_pair_coeff(lmp, scenes, case):
 def test_no_pair_coeff(lmp, scenes):
     contact = "pair_style dcm/contact\nneighbor 0.4 multi\n"
     fails(lmp, whole(scenes.doublet(), contact=contact), "[Pp]air coeffs are not set|pair_coeff")
+
+
+def test_file_as_editors_leave_it(lmp, scenes):
+    """A mark before the first line, Windows and old Mac line ends, a value repeated: read alike."""
+    scene, result = scenes.doublet(), []
+    text = (
+        "celltype a\n E_contact 5\n nu_contact 0.4\n friction_normal 50\n"
+        " friction_tangential 50\n nu_contact 0.4\nadhesion a a 0.1\nadhesion a a 0.1\n"
+    )
+    contact = "pair_style dcm/contact\npair_coeff * * file.dcm a a a a\nneighbor 0.6 multi\n"
+    deck = whole(scene, contact=contact, motion="") + scenes.thermo(["press"]) + "run 0\n"
+    for changed in (text, "\ufeff" + text, text.replace("\n", "\r\n"), text.replace("\n", "\r")):
+        (lmp.folder / "file.dcm").write_bytes(changed.encode())
+        done = lmp(deck, files={"file.dcm": lmp.folder / "file.dcm"})
+        result.append(done.thermo[-1]["Press"])
+    assert result[0] != 0 and len(set(result)) == 1

@@ -178,3 +178,24 @@ def test_bad_table_names_the_line(line, tmp_path):
     path.write_text(f"# head\n{line}\n")
     with pytest.raises(scene.SceneError, match="cells.txt:2"):
         scene.read_table(path)
+
+
+def test_names_that_are_not_ascii(tmp_path, capsys):
+    """In the file's name, and so in the command line that its header keeps."""
+    path = tmp_path / "zellen_\u00fc.txt"
+    assert main(["scene", "doublet", "-o", str(path)]) == 0
+    text = path.read_bytes().decode("utf-8")
+    assert "zellen_\u00fc.txt" in text.splitlines()[1]
+    assert len(scene.read_table(path)) == 2
+    path.write_text("\ufeff# gr\u00f6\u00dfe\n\u00e9 dcm 0 0 0 6\n", encoding="utf-8")
+    assert scene.read_table(path)[0].type == "\u00e9"
+
+
+def test_a_table_that_cannot_be_written_leaves_the_old_one(tmp_path, capsys):
+    path = tmp_path / "cells.txt"
+    path.write_text("old")
+    (tmp_path / "cells.txt.part").mkdir()
+    assert main(["scene", "doublet", "-o", str(path)]) == 1
+    assert "lammps_dcm scene:" in capsys.readouterr().err
+    assert path.read_text() == "old"
+    assert main(["scene", "doublet", "-o", str(tmp_path / "none" / "cells.txt")]) == 1

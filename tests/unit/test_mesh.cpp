@@ -5,6 +5,7 @@
 #include "law/hinge.h"
 #include "law/mesh.h"
 #include "law/mesh_io.h"
+#include "law/self_crossing.h"
 #include "helpers.h"
 
 #include <cstdio>
@@ -171,6 +172,36 @@ TEST(Mesh, Cube)
   EXPECT_NEAR(mean_edge(m), (12.0 + 6.0 * std::sqrt(2.0)) / 18.0, 1.0e-15);
   for (Vec3 &x : m.nodes) x += Vec3(1.0e6, -1.0e6, 1.0e6);
   EXPECT_NEAR(volume(m), 1.0, 1.0e-9);
+}
+
+TEST(Mesh, SelfCrossing)
+{
+  const std::array<int, 2> none = {-1, -1};
+  for (int level = 1; level <= 4; level++) EXPECT_EQ(self_crossing(icosphere(level)), none);
+  EXPECT_EQ(self_crossing(cube()), none);
+  // one node of a sphere pulled through the other side: its faces cross those there
+  Mesh m = icosphere(2);
+  const Vec3 before = m.nodes[7];
+  m.nodes[7] = -1.5 * before;
+  const auto found = self_crossing(m);
+  ASSERT_GE(found[0], 0);
+  bool own = false;
+  for (const int f : found)
+    for (const int i : m.faces[f]) own = own || i == 7;
+  EXPECT_TRUE(own);
+  m.nodes[7] = 0.2 * before;    // a dent, not through
+  EXPECT_EQ(self_crossing(m), none);
+}
+
+TEST(Mesh, Pierces)
+{
+  const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0);
+  EXPECT_TRUE(pierces({0.2, 0.2, -1}, {0.3, 0.2, 1}, a, b, c));
+  EXPECT_TRUE(pierces({0.2, 0.2, 1}, {0.3, 0.2, -1}, a, b, c));
+  EXPECT_FALSE(pierces({0.2, 0.2, 1}, {0.3, 0.2, 2}, a, b, c));     // ends before it
+  EXPECT_FALSE(pierces({0.9, 0.9, -1}, {0.9, 0.9, 1}, a, b, c));    // beside it
+  EXPECT_FALSE(pierces({0.2, 0.2, 0}, {0.3, 0.3, 1}, a, b, c));     // from its plane
+  EXPECT_FALSE(pierces({-1, 0.2, 0}, {1, 0.2, 0}, a, b, c));        // in its plane
 }
 
 TEST(Mesh, EdgesAndHinges)

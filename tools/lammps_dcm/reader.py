@@ -68,7 +68,7 @@ class Frame:
             end = text.find(b"\n", at)
             if end < 0:
                 raise DumpError(f"{where}: the header is cut short")
-            line, at = text[at:end].decode("ascii", "replace").strip(), end + 1
+            line, at = text[at:end].decode("utf-8", "replace").strip(), end + 1
             lines.append(line)
             if line.startswith("ITEM: ATOMS"):
                 break

@@ -12,10 +12,11 @@ import argparse
 import math
 import shlex
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
+
+from .text import read_text, write_text
 
 KINDS = ("dcm", "cbm")
 
@@ -381,13 +382,13 @@ def write_table(cells, path, command=None):
     head.append("# typename kind x y z radius")
     rows = [f"{c.type} {c.kind} {c.x + 0.0:.6f} {c.y + 0.0:.6f} {c.z + 0.0:.6f} {c.radius:g}"
             .replace("-0.000000", "0.000000") for c in cells]
-    Path(path).write_text("\n".join(head + rows) + "\n", encoding="ascii")
+    write_text(path, "\n".join(head + rows) + "\n")
 
 
 def read_table(path):
     """Read a cells table back into a list of Cell; errors name the line."""
     cells = []
-    for n, line in enumerate(Path(path).read_text(encoding="ascii").splitlines(), 1):
+    for n, line in enumerate(read_text(path).splitlines(), 1):
         words = line.split("#", 1)[0].split()
         if not words:
             continue

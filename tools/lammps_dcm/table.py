@@ -4,6 +4,7 @@ import sys
 import numpy as np
 
 from .inputs import add_input, bulk_modulus_of, load_run
+from .text import write_text
 
 
 def write_columns(path, columns):
@@ -14,8 +15,7 @@ def write_columns(path, columns):
     if path is None:
         print(text)
         return
-    with open(path, "w", encoding="ascii") as handle:
-        handle.write(text + "\n")
+    write_text(path, text + "\n")
 
 
 def cell_columns(results, names):

@@ -17,7 +17,9 @@ namespace dcm {
 
 namespace mesh_detail {
 
-  /// Words of a text file, line by line, with comments (#) and blank lines left out.
+  /// Words of a text file, line by line, with comments (#) and blank lines left out. Lines end as
+  /// on Unix, Windows or an old Mac; the mark (BOM) that some editors put before the first is
+  /// skipped.
   class LineReader {
    public:
     explicit LineReader(const std::string &path) : file(path), name(path), number(0)
@@ -25,14 +27,15 @@ namespace mesh_detail {
       if (!file)
         throw std::runtime_error("cannot open mesh file " + path + " (" + std::strerror(errno) +
                                  "): check its name and the folder the run starts in");
+      for (const char c : {'\xEF', '\xBB', '\xBF'})
+        if (file.peek() == (unsigned char) c) file.get();
     }
 
     /// Next line with words on it; false at the end of the file.
     bool next()
     {
       std::string line;
-      while (std::getline(file, line)) {
-        number++;
+      while (get_line(line)) {
         line.erase(std::find(line.begin(), line.end(), '#'), line.end());
         words.clear();
         for (size_t i = 0; i < line.size();) {
@@ -74,8 +77,27 @@ namespace mesh_detail {
     }
 
     std::vector<std::string> words;
+    bool joins = false;    ///< A backslash at the end of a line joins the next one to it.
 
    private:
+    bool get_line(std::string &line)
+    {
+      line.clear();
+      int c = file.get();
+      if (!file) return false;
+      number++;
+      for (;; c = file.get()) {
+        if (!file || c == '\n' || c == '\r') {
+          if (c == '\r' && file.peek() == '\n') file.get();
+          if (!joins || line.empty() || line.back() != '\\' || !file) return true;
+          line.back() = ' ';
+          number++;
+        } else {
+          line += char(c);
+        }
+      }
+    }
+
     std::ifstream file;
     std::string name;
     long number;
@@ -84,10 +106,20 @@ namespace mesh_detail {
   inline Mesh read_off(LineReader &in)
   {
     if (!in.next()) in.fail("the file is empty", "export the mesh again");
-    if (in.words[0] != "OFF")
+    // off in lower case, or with the counts right behind it, is what some programs write
+    std::string begin = in.words[0].substr(0, 3), glued = in.words[0].substr(begin.size());
+    for (char &c : begin) c = char(std::toupper((unsigned char) c));
+    const bool counts =
+        !glued.empty() && std::all_of(glued.begin(), glued.end(), [](unsigned char c) {
+          return std::isdigit(c);
+        });
+    if (begin != "OFF" || !(glued.empty() || counts))
       in.fail("an OFF file starts with the word OFF, not '" + in.words[0] + "'",
               "export plain OFF (no colors, normals or binary)");
-    in.words.erase(in.words.begin());
+    if (counts)
+      in.words[0] = glued;
+    else
+      in.words.erase(in.words.begin());
     if (in.words.empty() && !in.next())
       in.fail("the file ends before the counts", "it is truncated, export or copy it again");
     if (in.words[0] == "BINARY") in.fail("binary OFF is not supported", "export it as text");
@@ -138,6 +170,7 @@ namespace mesh_detail {
   inline Mesh read_obj(LineReader &in)
   {
     Mesh mesh;
+    in.joins = true;
     while (in.next()) {
       if (in.words[0] == "v") {
         if (in.words.size() < 4)
