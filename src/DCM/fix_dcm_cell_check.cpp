@@ -107,8 +107,13 @@ void FixDCMCell::report_fault()
 }
 
 /* ----------------------------------------------------------------------
-   a box that changes may get too small for the closest images of a cell's atoms
+   a box that changes may get too small for the closest images of a cell's atoms. Cells that fill a
+   box of two by two span a little more than half of it, which does no harm in a run
 ------------------------------------------------------------------------- */
+
+// of box lengths, how far a node may be from its center in a run; closest images end at one half
+
+static constexpr double REACH = 0.4;
 
 void FixDCMCell::check_width()
 {
@@ -119,11 +124,11 @@ void FixDCMCell::check_width()
     Vec3 d = vec(x[face.v[0]]) - vec(cell.x);
     dcm_minimum_image(domain, d[0], d[1], d[2]);
     for (int k = 0; k < 3; k++)
-      if (domain->periodicity[k] && std::fabs(d[k]) > 0.25 * domain->prd[k])
+      if (domain->periodicity[k] && std::fabs(d[k]) > REACH * domain->prd[k])
         error->one(FLERR,
-                   "Fix dcm/cell: cell {} spans {:.3} of a periodic box length at step {}; a "
-                   "periodic box must be at least two cells wide in every periodic direction, also "
-                   "while it shrinks",
+                   "Fix dcm/cell: cell {} spans {:.3} of a periodic box length at step {}; it must "
+                   "not come near itself around a box that shrinks: keep the box at least two "
+                   "cells wide",
                    cell.molecule, 2.0 * std::fabs(d[k]) / domain->prd[k], update->ntimestep);
   }
 }

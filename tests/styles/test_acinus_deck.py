@@ -22,6 +22,7 @@ def run(tmp_path_factory):
     assert columns in deck
     deck = deck.replace(columns, "c_lumen[*]").replace("%.10g", "%.16g").replace(
         "run             $(round(v_hours", "thermo_modify format float %.15g\nrun $(round(v_hours")
+    deck = deck.replace("thermo          50", "thermo 1")    # dumps come by time
     folder = tmp_path_factory.mktemp("acinus")
     files = {"cells.txt": ROOT / "examples/acinus/cells.txt",
              "acinus.dcm": ROOT / "potentials/acinus.dcm"}

@@ -106,7 +106,7 @@ def test_line_that_counts(lmp, scenes, case):
 def test_against_a_sphere(lmp, scenes, region, W):
     """Two types, the region of the second one named; a sphere has no regions: it is lateral."""
     lines = (
-        "adhesion hepatoblast hepatoblast 0.5\nadhesion hepatoblast_cbm hepatoblast_cbm 0.05\n"
+        "adhesion hepatoblast hepatoblast 0.5\n"
         "adhesion hepatoblast_cbm hepatoblast 0.1\n"
         "adhesion hepatoblast_cbm hepatoblast:apical 0.03\n"
         "adhesion hepatoblast:junction hepatoblast_cbm:lateral 0.2\n"
@@ -119,17 +119,19 @@ def test_against_a_sphere(lmp, scenes, region, W):
     assert np.array_equal(forces(lmp, scenes, scene, data, lines), expected)
 
 
-def test_last_of_the_same(lmp, scenes):
-    """A line given twice has its last value, in either order of the two sides."""
+def test_twice_with_two_values(lmp, scenes):
+    """Which one is meant? In either order of the two sides an error; the same value is none."""
     scene = scene_of(scenes, "dcm")
     data = painted(lmp, scene, ("apical", "basal"))
     lines = (
         "adhesion hepatoblast hepatoblast 0.1\n"
-        "adhesion hepatoblast:apical hepatoblast:basal 0.2\n"
+        "adhesion hepatoblast:apical hepatoblast:basal 0.04\n"
         "adhesion hepatoblast:basal hepatoblast:apical 0.04\n"
     )
     found = forces(lmp, scenes, scene, data, lines)
     assert np.array_equal(found, forces(lmp, scenes, scene, data, coeff="W 0.04"))
+    with pytest.raises(pytest.fail.Exception, match="has the value 0.04 above already"):
+        forces(lmp, scenes, scene, data, lines.replace("apical 0.04", "apical 0.05"))
 
 
 def test_regions_are_no_types(lmp, scenes):

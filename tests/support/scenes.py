@@ -92,7 +92,7 @@ class Scene:
     def motion(self, group="all", options="tolerance 1e-12"):
         """Of scheme explicit, whose velocities are those of the forces, unless options say."""
         if "scheme" not in options:
-            options = f"scheme explicit {options}"
+            options = f"{options} scheme explicit"
         return f"fix motion {group} dcm/motion {self.map} {options}\n"
 
     def forces(self, contact="", **options):
