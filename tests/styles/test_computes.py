@@ -26,7 +26,7 @@ dihedral_coeff 1 NULL hep E_cor 5 h_cor 0.5 nu_cor 0.5
 """
 CONTACT = """
 neighbor 0.4 bin
-pair_style dcm/contact h0 auto 0.02
+pair_style dcm/contact law dmt h0 auto 0.02
 pair_coeff * * NULL NULL NULL hep m E_contact {} nu_contact 0.5 W {} &
   friction_normal 50 friction_tangential 50
 """

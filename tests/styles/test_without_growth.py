@@ -211,7 +211,8 @@ CELL = "fix cell all dcm/cell\n"
 
 @pytest.mark.parametrize("np_", [1, 2])
 def test_spheres_without_fix_cell(lmp, scenes, np_):
-    """Growth makes one; a deck that has its own, before or after growth, runs the same."""
+    """Growth makes one; a deck that has its own, before or after growth, runs the same, but for the
+    order of sums: that of the atoms after a division follows that of the fixes."""
     scene = scenes.Scene(30.0, "f f f", parameters=PLAIN)
     for x in (-7.0, 7.0):
         scene.cbm(x, 0.0, 0.0, 5.0)
@@ -224,7 +225,9 @@ def test_spheres_without_fix_cell(lmp, scenes, np_):
     assert len(frames[0][-1]["id"]) == 4
     for other in frames[1:]:
         for a, b in zip(frames[0], other, strict=True):
-            same(a, b, COLUMNS)
+            assert a.step == b.step
+            for name in COLUMNS.split():
+                assert np.abs(a[name] - b[name]).max() < 1e-12, (a.step, name)
 
 
 @pytest.mark.parametrize("written", ["{}", "{}" + CELL])
