@@ -30,7 +30,7 @@ LAMMPS_PAGES = set(
     dump_modify fix fix_addforce fix_ave_atom fix_balance fix_box_relax fix_halt fix_modify
     fix_property_atom group mass minimize neigh_modify neighbor newton pair_granular plugin
     read_data read_restart region replicate reset_timestep restart run run_style set
-    special_bonds thermo_modify thermo_style timestep units variable write_data write_dump
+    special_bonds thermo thermo_modify thermo_style timestep units variable write_data write_dump
     write_restart
     """.split()
 )

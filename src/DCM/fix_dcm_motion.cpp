@@ -87,7 +87,8 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
     }
   }
 
-  if (automatic && !implicit) error->all(FLERR, "{}: dt auto does not go with scheme explicit", STYLE);
+  if (automatic && !implicit)
+    error->all(FLERR, "{}: dt auto does not go with scheme explicit", STYLE);
 
   time_integrate = 1;
   restart_global = automatic ? 1 : 0;

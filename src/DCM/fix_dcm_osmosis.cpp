@@ -410,7 +410,8 @@ double FixDCMOsmosis::next_event()
 
 double FixDCMOsmosis::longest_step()
 {
-  if (ramp > 0.0 && now.begun >= 0.0 && now.clock - now.begun < ramp) return std::min(longest, 0.1 * ramp);
+  if (ramp > 0.0 && now.begun >= 0.0 && now.clock - now.begun < ramp)
+    return std::min(longest, 0.1 * ramp);
   return now.nfaces > 0 && acting != 0.0 ? longest : DCMRole::longest_step();
 }
 

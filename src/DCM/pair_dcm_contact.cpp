@@ -87,6 +87,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   count.pairs = (bigint) face_pairs.size() + mixed_pairs.size() + sphere_pairs.size();
   if (update->setupflag) check_start();
   checked_step = update->ntimestep;
+  checked_atoms = atom->natoms;    // also those that the run has made
   count.list_seconds = platform::walltime() - start;
 
   find_wanted();

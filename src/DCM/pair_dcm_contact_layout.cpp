@@ -26,6 +26,7 @@
 #include "modify.h"
 #include "neigh_request.h"
 #include "neighbor.h"
+#include "update.h"
 #include "utils.h"
 
 #include <algorithm>
@@ -36,7 +37,7 @@ using dcm::vec;
 using dcm::Vec3;
 
 static const std::string STYLE = "Pair style dcm/contact";
-static constexpr int RECORD = 1;    // version of the restart record
+static constexpr int RECORD = 2;    // version of the restart record
 
 // the mesh of faces that no run has seen yet may be twice as coarse as was guessed
 
@@ -220,6 +221,7 @@ void PairDCMContact::write_restart(FILE *fp)
   for (double *value : kept()) record.put(*value);
   laid_out.resize(atom->ntypes + 1, 0.0);
   record.put(laid_out);
+  record.put((int) (checked_step == update->ntimestep && checked_atoms == atom->natoms));
   record.write_plain(fp);
 }
 
@@ -237,6 +239,12 @@ void PairDCMContact::read_restart(FILE *fp)
                utils::join_words(laws, " "));
   for (double *value : kept()) record.get(*value);
   record.get(laid_out);
+  int checked = 0;    // the state of a run, which check_start() need not see again
+  record.get(checked);
+  if (checked) {
+    checked_step = update->ntimestep;
+    checked_atoms = atom->natoms;
+  }
 }
 
 std::vector<double *> PairDCMContact::kept()
