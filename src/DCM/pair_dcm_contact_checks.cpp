@@ -409,8 +409,10 @@ void PairDCMContact::measure_overlap()
   if (fix_cell) {
     MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
     MPI_Allreduce(MPI_IN_PLACE, &overlap, 1, MPI_DOUBLE, MPI_MAX, world);
-    fix_cell->update_all();
-    for (const int c : fix_cell->cells().all_deformable()) filled += fix_cell->cells()[c].volume;
+    for (int i = 0; i < atom->nlocal; i++)    // a cell's volume is known where its center is
+      if (dcm->kind[i] == AtomVecDCM::CENTER)
+        filled += fix_cell->cells()[fix_cell->cell_of(i)].volume;
+    MPI_Allreduce(MPI_IN_PLACE, &filled, 1, MPI_DOUBLE, MPI_SUM, world);
   }
   if (expect_spheres && domain->xperiodic && domain->yperiodic && domain->zperiodic) {
     double volume = 0.0;    // elsewhere they stick out of the box

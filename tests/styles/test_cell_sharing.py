@@ -37,7 +37,6 @@ def test_shared_sums(probing, scenes, np_, boundary):
     """The same to the last bit on all processes that share a cell; what others have is no
     number until it is asked for, and then the same everywhere."""
     deck = whole(row_of_cells(scenes, boundary), extra="fix probe all dcm/probe\n")
-    deck += "neigh_modify every 2 delay 0 check no\n"
     deck += scenes.thermo([f"{name}=f_probe[{k}]" for name, k in PROBE.items()])
     for row in probing(deck + "timestep 1.0\nrun 5\n", np=np_).thermo:
         assert row["v_differ"] == row["v_unequal"] == 0

@@ -45,7 +45,7 @@ neigh_modify    {rebuild}
 thermo          {steps}
 run             {steps}
 """
-NEVER, EVERY = "delay 100000000 every 1 check no", "delay 0 every 2 check no"
+NEVER, EVERY = "delay 0 every 1 check yes", "delay 0 every 1 check no"    # skin: no need in so few
 
 
 def split(ranks):
@@ -129,7 +129,7 @@ def main():
                 long = Run(*arguments, 3 * n, NEVER)
                 often = Run(*arguments, 3 * n, EVERY)
                 total[ranks] = line(ranks, short, long, 2 * n, "step")
-                line(ranks, long, often, 3 * n // 2, "rebuild")
+                line(ranks, long, often, 3 * n, "rebuild")
                 notes.append(f"{ranks:5d} {long.iterations:11.1f} {long.lammps:14.2f} "
                              f"{long.resident:14.2f}")
             print("ranks  iterations  KiB a node: LAMMPS      resident")
