@@ -238,8 +238,8 @@ def test_start_overlap_below_half(lmp, scenes, np):
 
 @pytest.mark.parametrize("np", [1, 3])
 def test_box_shrinks_in_a_run(lmp, scenes, np):
-    """Closest images are unique as long as a cell stays away from itself around the box: one that is
-    made smaller while cells keep their size ends the run when they span 0.8 of it."""
+    """Closest images are unique as long as a cell stays away from itself around the box: one that
+    is made smaller while cells keep their size ends the run when they span 0.8 of it."""
     scene = scenes.Scene((14.0, 20.0, 20.0), "p p p")
     scene.dcm(0.0, 0.0, 0.0, 6.0)
     extra = "fix def all deform 1 x final -7 7 remap none\n"
