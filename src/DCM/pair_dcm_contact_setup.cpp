@@ -48,9 +48,10 @@ static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2;
 
 static constexpr double UNLIKE = 1.5;
 
-// thickness of the layer of law foundation, um: of the order of the cell cortex [ours]
+// thickness of the layer of law foundation, um: that of a thin cell cortex, with which cells keep
+// their volumes up to 5 kPa [ours]
 
-static constexpr double LAYER = 0.25;
+static constexpr double LAYER = 0.1;
 
 // more than any deck can need: neighbor skin in radii of the largest cell, growth of radii
 
