@@ -468,7 +468,7 @@ void PairDCMContact::fail_pair(int i, int j, double depth, double limit, double 
                "Pair style dcm/contact: cells {} and {} overlap at the start of the run: atoms {} "
                "and {} by {:.4} at step {}, more than {:.4}; move them apart in the data file or "
                "the create_cells command, or raise keyword range",
-               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
+               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], depth,
                update->ntimestep, limit);
   error->one(FLERR,
              "Pair style dcm/contact: cells {} and {} run into each other: atoms {} and {} overlap "

@@ -45,7 +45,7 @@ class TwoTypes(Scene):
 def push(cell, force, nodes, node_type=2, axis=0):
     """A force (nN) on a deformable cell, shared by its nodes."""
     parts = ["0"] * 3
-    parts[axis] = repr(force / nodes)
+    parts[axis] = repr(float(force / nodes))
     return (
         f"group cell{cell} molecule {cell}\ngroup nodes{node_type} type {node_type}\n"
         f"group push{cell}{axis} intersect cell{cell} nodes{node_type}\n"

@@ -19,7 +19,7 @@ def periodic_corner_at_speed(case):
 
     They move as in a box that is ten times as wide and never crossed, to 1e-6 um: a border is
     nowhere. Their speed is force over friction of the free surface, to 1 %."""
-    force, time, dt = 60.0, case.pick(60.0, 120.0), case.pick(0.5, 1.0)
+    force, time, dt = 300.0, 60.0, case.pick(0.5, 1.0)
     found = []
     for box in (16.0, 160.0):
         scene = case.scenes.Scene(box, "p p p", level=1)
@@ -90,7 +90,6 @@ def drifting_out_of_an_open_box(case):
             case.sound(run, force=(force, 0.0, 0.0), volume=(0.9, 1.0))
         else:
             case.stopped(run, r"[Ll]ost atoms|cell \d.* at step \d+.*lost through a fixed boundary")
-    case.outcome = "sound; stops in the fixed box"
 
 
 @hard("Boxes")
@@ -132,4 +131,4 @@ def fixed_neighbor(case):
     case.check("way of the other", moved[~still & node].max(), least=1e-3, unit="um")
     speed = np.abs(run.last.v[node & ~still]).max()
     case.check("fastest node at last", speed, most=0.02, unit="um/s", spread=1.0)
-    case.sound(run, volume=(0.8, 1.0))
+    case.sound(run, volume=(0.8, 1.001))

@@ -128,7 +128,7 @@ def cycle_of_a_few_relaxation_times(case):
     Seven divisions into halves; all cells are sound."""
     scene = scene_of(case, 40.0, level=2)
     scene.dcm(0.0, 0.0, 0.0, 6.0)
-    deck = case.deck(scene, 604.0, case.pick(1.0, 4.0), extra=life(scene, 200), frames=3)
+    deck = case.deck(scene, 606.0, case.pick(1.0, 2.0), extra=life(scene, 200), frames=3)
     judge(case, case.run(deck, show=True), 7, depth=0.5)
 
 
@@ -196,7 +196,7 @@ def conversion_at_a_moving_border(case):
     )
     deck = case.deck(scene, 320.0, dt, extra=extra, frames=16, thermo=["n=f_conv[1]+f_conv[2]"],
                      cortex=scene.cortex(), volume=scene.volume())  # fmt: skip
-    run = case.run(deck, show=True)
+    run = case.run(deck.replace("neighbor 0.6", "neighbor 1.0"), show=True)  # necks of spheres
     count = [len(f.cells) + len(f.spheres) for f in run.frames]
     case.check("conversions", run.thermo[-1]["v_n"], least=12, spread=1.0)
     case.check("cells, least", min(count), least=6, most=6)

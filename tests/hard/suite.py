@@ -86,7 +86,7 @@ class Case:
     full: bool = False
     timeout: float = 120.0
     measured: list = field(default_factory=list)
-    outcome: str = "sound"
+    outcomes: list = field(default_factory=list)
     picture: object = None  # path of a dump
     log: list = field(default_factory=list)
 
@@ -111,17 +111,22 @@ class Case:
         return scene.contact(style, coeff if "layer" in coeff else f"{layer} {coeff}")
 
     def deck(self, scene, time, dt, *, frames=4, cortex=None, contact=None, volume="", motion=None,
-             before="", extra="", thermo=(), group="all", maxmove="", settle=None, then=""):
+             before="", extra="", thermo=(), group="all", maxmove="", settle=None, then="", auto=""):
         """A complete deck that covers `time` in steps of dt, with so many frames in its dump; negative:
         at logarithmic distances, for what decays.
 
         before: ahead of the fixes; extra: ahead of fix dcm/motion; thermo: more columns,
         name=formula. settle: (time, dt) of a run before, whose frames do not count; then: commands
-        between the two.
+        between the two. auto: keywords of dt auto, for steps chosen by their error (implicit).
         """  # fmt: skip
         steps = max(1, round(time / dt))
         every = max(1, steps // frames) if frames > 0 else 1
         options = f"maxmove {maxmove}" if maxmove else ""
+        run = f"run {steps // every * every}\n"
+        if auto:
+            options += f" dt auto {auto} stop {time!r}"
+            run = f"dump_modify d every/time {time / frames!r}\nrun 100000000\n"
+            every = 1
         has_dcm = cortex is not None or any("single hep" in c for c in scene.cells)
         return (
             scene.head()
@@ -137,7 +142,7 @@ class Case:
             + then
             + self.output((steps, -frames) if frames < 0 else every, has_dcm, thermo)
             + f"timestep {dt!r}\n"
-            + f"run {-(-steps // every) * every}\n"
+            + run
         )  # fmt: skip
 
     def output(self, every, has_dcm=True, thermo=()):
@@ -177,8 +182,8 @@ class Case:
         result.thermo = result.runs[-1] if result.runs else []
         self.log.append(str(result.path))
         if not fails and result.returncode != 0:
-            self.outcome = "error: " + (result.error or result.tail())
-            raise Stopped(self.outcome)
+            self.outcomes.append("error: " + (result.error or result.tail()))
+            raise Stopped(self.outcomes[-1])
         if show or self.picture is None:
             self.picture = result.path / "dump.txt"
         return result
@@ -204,6 +209,7 @@ class Case:
         that end a run); volume: bounds of V/V0 from the pressures a scene can have; force: the
         external one.
         """  # fmt: skip
+        self.note("sound")
         last = run.last
         finite = all(np.isfinite(frame[name]).all() for frame in run.frames
                      for name in ("xu", "yu", "zu", "vx", "vy", "vz", "fx", "fy", "fz"))  # fmt: skip
@@ -240,15 +246,25 @@ class Case:
             self.check(f"the error says /{pattern}/", bool(re.search(pattern, text)), least=1)
         self.check("numbers that are not finite", sum(not np.isfinite(f.x).all()
                                                       for f in run.frames), most=0)  # fmt: skip
-        self.outcome = "stops: " + re.sub(r"\s*\(.*?\.cpp:\d+\)", "", text)
+        self.note("stops: " + re.sub(r"\s*\(.*?\.cpp:\d+\)", "", text))
+
+    def note(self, outcome):
+        """Each outcome once; numbers of the messages may differ from run to run."""
+        if outcome not in self.outcomes:
+            self.outcomes.append(outcome)
+
+    @property
+    def outcome(self):
+        return "; ".join(self.outcomes)
 
     @property
     def good(self):
-        return not self.outcome.startswith("error") and all(m.good for m in self.measured)
+        return not self.faults()
 
     def faults(self):
-        found = [str(m) for m in self.measured if not m.good]
-        return found + ([self.outcome] if self.outcome.startswith("error") else [])
+        return [str(m) for m in self.measured if not m.good] + [
+            o for o in self.outcomes if o.startswith("error")
+        ]
 
 
 # error of a run that may stop: style, cell, step and remedy

@@ -64,12 +64,12 @@ class Way:
         except KeyboardInterrupt:
             raise
         except BaseException as fault:    # a time limit is one of pytest's own
-            case.outcome = "error: " + str(fault) or traceback.format_exc()
+            case.outcomes.append("error: " + (str(fault) or traceback.format_exc()))
         seconds = time.time() - begun
         self.result = dict(measured=[asdict(m) for m in case.measured], good=case.good,
                            outcome=case.outcome, seconds=seconds, faults=case.faults())
         shown = self.folder / f"{self.scene.name}.dump"
-        if case.picture and Path(case.picture).exists():
+        if case.picture and Path(case.picture).exists() and Path(case.picture).stat().st_size > 0:
             if not shown.exists() or (self.scheme, self.ranks) == (self.scene.schemes[-1], 1):
                 shown.write_text(last_frame(Path(case.picture)))
         part = self.path.with_suffix(".part")
