@@ -4,7 +4,7 @@ import importlib
 
 from hard.suite import SCENES
 
-for family in ("shape", "contact", "box", "time", "life"):
+for family in ("shape", "contact", "force", "box", "time", "life"):
     importlib.import_module(f"hard.scenes_{family}")
 
 

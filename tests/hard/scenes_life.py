@@ -230,7 +230,7 @@ def large_mesh_divides(case):
     scene = scene_of(case, 20.0, level=4 if case.full else 3)
     scene.dcm(0.0, 0.0, 0.0, 6.0)
     growth = f"rounding 0.05 0.95 newborn {0.505 * SPHERE_VOLUME * 216.0!r}"
-    deck = case.deck(scene, 24.0, 1.0, extra=life(scene, 1000, growth=growth), maxmove="1")
+    deck = case.deck(scene, 24.0, 1.0, extra=life(scene, 200, growth=growth), maxmove="1")
     judge(case, case.run(deck, show=True), 1, depth=0.5)
     case.check("nodes of a daughter", len(next(iter(case_cells(case))).x),
                least=642 if not case.full else 2562)  # fmt: skip
@@ -275,5 +275,90 @@ def stiff_cell_divides(case):
     scene.dcm(0.0, 0.0, 0.0, 6.0)
     files = {PARAMETERS: one_type(E_cor=50.0, K_V=25.0)}
     growth = f"newborn {0.55 * SPHERE_VOLUME * 216.0!r}"
-    deck = case.deck(scene, 40.0, case.pick(0.05, 0.5), extra=life(scene, 200, growth=growth))
+    deck = case.deck(scene, 60.0, case.pick(0.05, 0.5), extra=life(scene, 200, growth=growth))
     judge(case, case.run(deck, files=files, show=True), 1)
+
+
+@hard("Life")
+def division_at_a_periodic_corner(case):
+    """A mother around the corner of a periodic box, for two generations.
+
+    Three divisions into halves, in the same steps and, within 0.01 um, at the same places as in the
+    middle of the box."""
+    ends = []
+    for at in ((0.0, 0.0, 0.0), (19.5, -19.0, 19.9)):
+        scene = scene_of(case, 20.0, "p p p", level=1)
+        scene.dcm(*at, 6.0)
+        deck = case.deck(scene, 410.0, case.pick(1.0, 2.0), extra=life(scene, 200), frames=10)
+        run = case.run(deck)
+        ends.append((run, at))
+    middle, corner = (run for run, _ in ends)
+    steps = [[row["step"] for row in divisions(run)] for run in (middle, corner)]
+    case.check("divisions in other steps", sum(a != b for a, b in zip(*steps)), most=0)
+    shift = np.array(ends[1][1])
+    off = 0.0
+    for m, cell in corner.last.cells.items():
+        d = cell.centroid - shift - middle.last.cells[m].centroid
+        off = max(off, np.abs(d - 40.0 * np.round(d / 40.0)).max())
+    case.picture = corner.path / "dump.txt"
+    case.check("off the run in the middle", off, most=0.01, unit="um", spread=1.0)
+    judge(case, corner, 3, periodic=True, depth=0.5)
+
+
+@hard("Life")
+def division_at_the_border(case):
+    """A cell that grows and divides 0.6 um from the border of the box.
+
+    A shrink-wrapped box follows; from a fixed one nodes are lost, and one error says so."""
+    for boundary in ("s s s", "f f f"):
+        scene = scene_of(case, 15.0, boundary, level=1)
+        scene.dcm(-8.4, 0.0, 0.0, 6.0)
+        deck = case.deck(scene, 220.0, case.pick(1.0, 2.0), extra=life(scene, 200))
+        run = case.run(deck, fails=boundary == "f f f", show=boundary == "s s s")
+        if boundary == "s s s":
+            judge(case, run, 1, depth=0.5)
+        else:
+            case.stopped(run, r"[Ll]ost atoms|cell \d.* at step \d+.*lost through a fixed boundary")
+
+
+@hard("Life")
+def sisters_without_and_with_strong_adhesion(case):
+    """Sisters that do not stick, and that stick ten times as much as usual.
+
+    Halves of the volume, sound; those that stick share more surface."""
+    area = []
+    for W in (0.0, 1.0):
+        scene = scene_of(case, 20.0, level=2)
+        scene.dcm(0.0, 0.0, 0.0, 6.0)
+        contact = case.contact(scene, "", f"W {W}")
+        extra = life(scene, 200) + "compute contact all pair dcm/contact\n"
+        deck = case.deck(scene, 300.0, case.pick(1.0, 2.0), extra=extra, contact=contact,
+                         thermo=["area=c_contact[3]"])  # fmt: skip
+        run = case.run(deck, show=True)
+        judge(case, run, 1, depth=0.5)
+        area.append(run.thermo[-1]["v_area"])
+    case.check("contact, strong over none", area[1] / area[0], least=1.5, spread=0.2)
+
+
+@hard("Life")
+def tissue_that_fills_its_box(case):
+    """Eight cells that grow and divide in a periodic box until there is no room.
+
+    The volumes do not exceed the box by more than the layers give way, the cells stay whole, and the
+    pressure rises to more than 0.5 kPa; or one error that names cells, step and remedy."""
+    side = 14.5
+    scene = scene_of(case, side, "p p p", level=1)
+    for i in range(8):
+        scene.dcm(*(0.5 * side * (2 * np.array([i % 2, i // 2 % 2, i // 4]) - 1)), 6.0)
+    extra = life(scene, 400, growth="cycle_sd 60 age random")
+    extra += "compute p all dcm/cell pressure\n".replace("compute p ", "compute press ")
+    deck = case.deck(scene, 700.0, case.pick(1.0, 4.0), extra=extra, thermo=["p=c_press[2]"],
+                     frames=7)  # fmt: skip
+    run = case.run(deck, fails=True, show=True)
+    if run.returncode:
+        case.stopped(run, *NAMED)
+        return
+    filled = sum(c.volume for c in run.last.cells.values()) / (2.0 * side) ** 3
+    case.check("cells over box", filled, least=0.9, most=1.1)
+    case.check("mean pressure", run.thermo[-1]["v_p"], least=0.5, unit="kPa", spread=0.05)
+    case.sound(run, volume=(0.3, 1.02), periodic=True, depth=0.5)
