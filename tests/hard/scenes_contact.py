@@ -315,7 +315,8 @@ def thirty_cells_at_5_kPa(case):
     cycle = case.pick(100.0, 400.0)
     grow = f"fix grow all dcm/growth {scene.map} seed 3 cycle_time {cycle} rounding 0 1\n"
     dt = case.pick(0.1, 1.0)
-    deck = case.deck(scene, cycle * (rest - 1.0), dt, extra=grow, frames=1, maxmove="1")
+    deck = case.deck(scene, cycle * (rest - 1.0), dt, extra=grow, frames=1, maxmove="1",
+                     contact=case.contact(scene, "growth 3"))  # fmt: skip
     deck += f"unfix grow\nrun {round(case.pick(25.0, 100.0) / dt)}\n"
     run = case.run(deck, files=files, show=True)
     last = run.last

@@ -237,13 +237,17 @@ class Case:
             self.check("sum of forces", off / max(np.abs(f).sum(), 1e-30), most=1e-9, spread=1.0)
 
     def stopped(self, run, *patterns):
-        """The run ended in one error line that has all patterns; no frame has a NaN."""
-        errors = {line.partition(": ")[2] for line in run.out.splitlines() if "ERROR" in line}
+        """The run ended in an error that has all patterns, in a step one on each process that sees
+        it, before the first step one in all; no frame has a NaN."""
+        errors = sorted({line.partition(": ")[2] for line in run.out.splitlines()
+                         if "ERROR" in line})  # fmt: skip
         self.check("return code", run.returncode != 0, least=1)
-        self.check("error lines", len(errors), least=1, most=1)
-        text = next(iter(errors), "")
+        self.check("error lines", len(errors), least=1, most=self.ranks if run.thermo else 1,
+                   spread=1.0)  # fmt: skip
+        text = errors[0] if errors else ""
         for pattern in patterns:
-            self.check(f"the error says /{pattern}/", bool(re.search(pattern, text)), least=1)
+            says = sum(bool(re.search(pattern, e)) for e in errors) == len(errors) > 0
+            self.check(f"the error says /{pattern}/", says, least=1)
         self.check("numbers that are not finite", sum(not np.isfinite(f.x).all()
                                                       for f in run.frames), most=0)  # fmt: skip
         self.note("stops: " + re.sub(r"\s*\(.*?\.cpp:\d+\)", "", text))
