@@ -31,13 +31,16 @@ class TwoTypes(Scene):
 
     def head(self):
         text = super().head()
-        return text.replace("create_box 4 box bond/types 1 dihedral/types 1",
-                            "create_box 7 box bond/types 2 dihedral/types 2")  # fmt: skip
+        return text.replace(
+            "create_box 4 box bond/types 1 dihedral/types 1",
+            "create_box 7 box bond/types 2 dihedral/types 2",
+        )
 
     def cortex(self, bond="", bend="rest mesh"):
         lines = "".join(
             f"bond_coeff {n} {self.parameters} {name} {bond}\n"
-            f"dihedral_coeff {n} {self.parameters} {name} {bend}\n" for n, name in ((1, "a"), (2, "b"))
+            f"dihedral_coeff {n} {self.parameters} {name} {bend}\n"
+            for n, name in ((1, "a"), (2, "b"))
         )
         return "bond_style dcm/cortex\ndihedral_style dcm/bend\n" + lines
 
@@ -58,5 +61,6 @@ def one_type(**changes):
     W = changes.pop("W", 0.1)
     values = CORTEX | CONTACT | FRICTION | dict(D=1e-4) | changes
     spheres = {k: v for k, v in values.items() if k not in CORTEX or k == "K_V"}
-    return (cell_type("hepatoblast", **values) + cell_type("hepatoblast_cbm", **spheres)
-            + adhesion(W))  # fmt: skip
+    return (
+        cell_type("hepatoblast", **values) + cell_type("hepatoblast_cbm", **spheres) + adhesion(W)
+    )

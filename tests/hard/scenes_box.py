@@ -28,18 +28,25 @@ def periodic_corner_at_speed(case):
             scene.dcm(d, -d, 0.0, 6.0)
         extra = "".join(push(m, force / np.sqrt(3.0), 42, axis=k) for m in (1, 2) for k in range(3))
         extra += "compute free all dcm/cell free_area\ncompute area all reduce sum c_free\n"
-        deck = case.deck(scene, time, dt, extra=extra, thermo=["area=c_area"], maxmove="2", frames=10)
+        deck = case.deck(
+            scene, time, dt, extra=extra, thermo=["area=c_area"], maxmove="2", frames=10
+        )
         found.append(case.run(deck))
     small, wide = found
     case.picture = small.path / "dump.txt"
     way = cells_mean(small.last) - cells_mean(small.first)
     case.check("way", np.linalg.norm(way, axis=1).min(), least=28.0, unit="um")
-    off = max(np.abs(a.x[a.moving] - b.x[b.moving]).max() for a, b in zip(small.frames, wide.frames))
+    off = max(
+        np.abs(a.x[a.moving] - b.x[b.moving]).max() for a, b in zip(small.frames, wide.frames)
+    )
     case.check("off the run in a wide box", off, most=1e-6, unit="um", spread=1.0)
     v = small.last.v[small.last.moving].mean(axis=0)
-    case.close("speed over force by friction",
-               np.linalg.norm(v) * ECM * small.thermo[-1]["v_area"] / (2.0 * force), 1.0,
-               rel=0.01)  # fmt: skip
+    case.close(
+        "speed over force by friction",
+        np.linalg.norm(v) * ECM * small.thermo[-1]["v_area"] / (2.0 * force),
+        1.0,
+        rel=0.01,
+    )
     case.sound(small, periodic=True, force=3 * [2.0 * force / np.sqrt(3.0)], volume=(0.8, 1.02))
 
 
@@ -62,10 +69,16 @@ def long_crawl(case):
     volume = np.array([f.cells[1].volume for f in frames])
     way = frames[-1].x[frames[-1].moving].mean(axis=0) - run.first.x[run.first.moving].mean(axis=0)
     case.check("way over box", np.linalg.norm(way) / 26.0, least=0.8 * lengths)
-    case.check("change of speed", np.ptp(v, axis=0).max() / np.linalg.norm(v[0]), most=1e-6, spread=1.0)
+    case.check(
+        "change of speed", np.ptp(v, axis=0).max() / np.linalg.norm(v[0]), most=1e-6, spread=1.0
+    )
     case.check("change of volume", np.ptp(volume) / volume[0], most=1e-6, spread=1.0)
-    case.check("off the force", np.abs(v[-1] / force * np.linalg.norm(force) / np.linalg.norm(v[-1])
-                                       - 1.0).max(), most=1e-3, spread=1.0)  # fmt: skip
+    case.check(
+        "off the force",
+        np.abs(v[-1] / force * np.linalg.norm(force) / np.linalg.norm(v[-1]) - 1.0).max(),
+        most=1e-3,
+        spread=1.0,
+    )
     case.sound(run, force=force, volume=(0.9, 1.0))
 
 
@@ -85,8 +98,9 @@ def drifting_out_of_an_open_box(case):
         if boundary == "s s s":
             area = np.mean([c.areas.sum() for c in (f.cells[1] for f in run.frames[1:])])
             way = cells_mean(run.last)[0] - cells_mean(run.first)[0]
-            case.close("way over force by friction", way[0] * ECM * area / (force * 200.0), 1.0,
-                       rel=0.01)  # fmt: skip
+            case.close(
+                "way over force by friction", way[0] * ECM * area / (force * 200.0), 1.0, rel=0.01
+            )
             case.sound(run, force=(force, 0.0, 0.0), volume=(0.9, 1.0))
         else:
             case.stopped(run, r"[Ll]ost atoms|cell \d.* at step \d+.*lost through a fixed boundary")
@@ -104,8 +118,10 @@ def far_from_the_origin(case):
             scene.dcm(x + at, at, -at, 6.0)
         deck = case.deck(scene, case.pick(100.0, 300.0), case.pick(0.5, 4.0))
         a = f"{at - 20.0!r} {at + 20.0!r}"
-        deck = deck.replace(f"region box block {' '.join(3 * ['-20.0 20.0'])}",
-                            f"region box block {a} {a} {-at - 20.0!r} {-at + 20.0!r}")  # fmt: skip
+        deck = deck.replace(
+            f"region box block {' '.join(3 * ['-20.0 20.0'])}",
+            f"region box block {a} {a} {-at - 20.0!r} {-at + 20.0!r}",
+        )
         runs.append(case.run(deck))
     near, far = runs
     case.picture = near.path / "dump.txt"
@@ -121,8 +137,13 @@ def fixed_neighbor(case):
 
     The fixed cell stays to the last bit, and the other one comes to rest against it."""
     scene = case.scenes.doublet(level=2, gap=-0.3, box=25.0)
-    deck = case.deck(scene, case.pick(200.0, 400.0), case.pick(0.5, 4.0),
-                     before="group mobile molecule 2\n", group="mobile")  # fmt: skip
+    deck = case.deck(
+        scene,
+        case.pick(200.0, 400.0),
+        case.pick(0.5, 4.0),
+        before="group mobile molecule 2\n",
+        group="mobile",
+    )
     run = case.run(deck, show=True)
     still = run.first["mol"] == 1
     node = run.first["kind"] == 3

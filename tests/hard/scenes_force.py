@@ -35,7 +35,9 @@ def sphere_pressed(case, force):
     scene = case.scenes.Scene(40.0, level=2)
     scene.dcm(0.0, 0.0, 0.0, 6.0)
     scene.cbm(8.9, 0.0, 0.0, 3.0)
-    return scene, f"group ball molecule 2\nfix push ball addforce {-force} 0 0\n" + push(1, force, 162)
+    return scene, f"group ball molecule 2\nfix push ball addforce {-force} 0 0\n" + push(
+        1, force, 162
+    )
 
 
 def node_pulled(case, force):
@@ -54,8 +56,11 @@ def rising(case, make, forces, time, least_sound, **limits):
     """Runs with growing force; up to least_sound (nN) they must be sound."""
     for force in forces:
         scene, extra = make(case, force)
-        run = case.run(case.deck(scene, time, case.pick(0.5, 2.0), extra=extra), fails=True,
-                       show=force == forces[0])  # fmt: skip
+        run = case.run(
+            case.deck(scene, time, case.pick(0.5, 2.0), extra=extra),
+            fails=True,
+            show=force == forces[0],
+        )
         whole = sound_or_stops(case, run, **limits)
         if force <= least_sound:
             case.check(f"{force:g} nN: sound", whole, least=1)
@@ -149,8 +154,14 @@ def large_steps(case, make, forces, bears=True, **limits):
     for name, dt in LARGE.items():
         for k, force in enumerate(forces):
             scene, extra = make(case, force)
-            deck = case.deck(scene, 600.0, dt or 1.0, extra=extra, maxmove="" if dt is None else "1",
-                             auto="tol 0.02 max 60" if dt is None else "")  # fmt: skip
+            deck = case.deck(
+                scene,
+                600.0,
+                dt or 1.0,
+                extra=extra,
+                maxmove="" if dt is None else "1",
+                auto="tol 0.02 max 60" if dt is None else "",
+            )
             run = case.run(deck, fails=True, show=dt is None and k == 0)
             whole = sound_or_stops(case, run, **limits)
             if bears and k == 0:
@@ -177,8 +188,12 @@ def every_law_and_adhesion(case):
                 case.sound(run, volume=(0.5, 1.05), depth=0.75)
                 far = run.first.cells[1]  # a coarse mesh reaches beyond the sphere of its volume
                 free = 2.0 * np.linalg.norm(far.x - far.centroid, axis=1).max() + 0.05
-                case.check(f"{law}, W {W}: distance", apart(run.last), unit="um",
-                           **(dict(most=11.9) if W else dict(least=11.85, most=free)))  # fmt: skip
+                case.check(
+                    f"{law}, W {W}: distance",
+                    apart(run.last),
+                    unit="um",
+                    **(dict(most=11.9) if W else dict(least=11.85, most=free)),
+                )
             else:
                 case.stopped(run, *NAMED)
                 case.check(f"{law}, W {W}: may stop", W > 0.1, least=1)

@@ -1,4 +1,4 @@
-"""Hard cases of one cell: shapes far from round. Cells touch nothing, so that all energy is known."""
+"""Hard cases of one cell: shapes far from round. Nothing touches, so that all energy is known."""
 
 import numpy as np
 
@@ -18,12 +18,16 @@ def integral(times, values):
 def stored(run):
     """Energy of cortex, hinges and volume, per frame."""
     rows = {int(row["Step"]): row for row in run.thermo}
-    return np.array([sum(rows[frame.step][name] for name in ("E_bond", "E_dihed", "f_volume"))
-                     for frame in run.frames])  # fmt: skip
+    return np.array(
+        [
+            sum(rows[frame.step][name] for name in ("E_bond", "E_dihed", "f_volume"))
+            for frame in run.frames
+        ]
+    )
 
 
 def lost(run):
-    """Energy that went into dashpots and the surroundings, from the velocities and the law alone."""
+    """Energy that went into dashpots and the surroundings, from velocities and the laws."""
     return integral([f.time for f in run.frames], [dissipation(f, GAMMA, ECM) for f in run.frames])
 
 
@@ -75,8 +79,11 @@ def half_its_volume(case):
     scene = case.scenes.single_cell(box=30.0, boundary="p p p", level=2 if case.full else 1)
     factor = 0.5 ** (1.0 / 3.0)
     dt, time = 0.005, 12.0
-    deck = lambda before: case.deck(scene, time, dt, frames=-150, before=before, maxmove="1",  # noqa: E731
-                                    thermo=["p=f_volume[1]"])  # fmt: skip
+
+    def deck(before):
+        options = dict(frames=-150, before=before, maxmove="1", thermo=["p=f_volume[1]"])
+        return case.deck(scene, time, dt, **options)
+
     run = case.run(deck(affine(factor, factor, factor)), show=True)
     free = case.run(deck(""))
     energy = stored(run)
@@ -86,8 +93,12 @@ def half_its_volume(case):
     rows = {int(row["Step"]): row["v_p"] for row in run.thermo}
     off = max(abs(rows[f.step] - p) for f, p in zip(run.frames, pressure))
     case.check("pressure off the law", off, most=1e-9, unit="kPa", spread=1.0)
-    case.close("V at last over that of a free cell",
-               run.last.cells[1].volume / free.last.cells[1].volume, 1.0, rel=0.001)  # fmt: skip
+    case.close(
+        "V at last over that of a free cell",
+        run.last.cells[1].volume / free.last.cells[1].volume,
+        1.0,
+        rel=0.001,
+    )
     case.check("drift force", drift(run), most=1e-6)
     case.sound(run, volume=(0.9, 1.0))
 
@@ -137,14 +148,16 @@ def crushed_to_40_percent(case):
     energy = stored(whole) + springs
     gone = integral(times[k:], [dissipation(f, GAMMA, ECM) for f in whole.frames[k:]])
     put_in = work - integral(times[: k + 1], rate * force.sum(axis=1)[: k + 1])
-    case.close("dissipated and stored over work", (gone + energy[-1] - energy[k]) / put_in, 1.0,
-               rel=0.01)  # fmt: skip
+    case.close(
+        "dissipated and stored over work", (gone + energy[-1] - energy[k]) / put_in, 1.0, rel=0.01
+    )
     deepest = max(up.max() for up, _ in depths[-1:])
     case.close("height", whole.last.cells[1].extent[2], 4.8 + 2 * deepest, tol=0.02, unit="um")
     case.check("nodes inside the plates", deepest, most=0.3, unit="um")
     case.close("upper over lower plate", force[-1, 0] / force[-1, 1], 1.0, rel=0.01)
-    case.close("force, of half the step", force[-1, 0], 2.0 * EPSILON * plate(half.last)[0].sum(),
-               rel=0.01)  # fmt: skip
+    case.close(
+        "force, of half the step", force[-1, 0], 2.0 * EPSILON * plate(half.last)[0].sum(), rel=0.01
+    )
     case.sound(whole, volume=(0.5, 1.0))
 
 
@@ -159,8 +172,12 @@ def one_node_pulled(case):
     run = case.run(deck, show=True)
     energy = stored(run)
     tip = [f.x[f["id"] == 10][0, 2] for f in run.frames]
-    case.close("dissipated and stored over work",
-               (lost(run) + energy[-1] - energy[0]) / (tip[-1] - tip[0]), 1.0, rel=0.01)  # fmt: skip
+    case.close(
+        "dissipated and stored over work",
+        (lost(run) + energy[-1] - energy[0]) / (tip[-1] - tip[0]),
+        1.0,
+        rel=0.01,
+    )
     case.check("path of the node", tip[-1] - tip[0], least=0.1, unit="um")
     case.sound(run, force=(0.0, 0.0, 1.0), volume=(0.9, 1.0))
 
@@ -220,8 +237,14 @@ def gamma_zero(case):
     The cell, begun with two thirds of its volume, dissipates what it releases to 1 %."""
     scene = case.scenes.single_cell(box=30.0, boundary="p p p", level=2 if case.full else 1)
     factor = (2.0 / 3.0) ** (1.0 / 3.0)
-    deck = case.deck(scene, 6.0, 0.003, frames=-150, before=affine(factor, factor, factor),
-                     cortex=scene.cortex("gamma 0"))  # fmt: skip
+    deck = case.deck(
+        scene,
+        6.0,
+        0.003,
+        frames=-150,
+        before=affine(factor, factor, factor),
+        cortex=scene.cortex("gamma 0"),
+    )
     run = case.run(deck, show=True)
     energy = stored(run)
     gone = integral([f.time for f in run.frames], [dissipation(f, 0.0, ECM) for f in run.frames])

@@ -1,11 +1,11 @@
 """The hard-case suite: what a scene is, and what it is run in.
 
-A scene is a function of a Case. Its docstring has one sentence for the reader, an empty line, and
-its criterion. It makes decks, runs them with case.run(), and says with case.check() what it measured
-and between which bounds that is right. tests/hard/test_hard_scenes.py runs each scene in two ways,
-tools/hard all of them in all ways and writes the table and the page of the manual.
-"""
+A scene is a function of a Case. Its docstring has one sentence for the reader, an empty line,
+and its criterion. It makes decks, runs them with case.run(), and says with case.check() what it
+measured and between which bounds that is right. tests/hard/test_hard_scenes.py runs each scene
+in two ways, tools/hard all of them in all ways and writes the table and the page of the manual."""
 
+import contextlib
 import re
 from dataclasses import dataclass, field
 
@@ -27,8 +27,8 @@ SCENES = {}
 
 @dataclass
 class Scene:
-    """A scene of the suite. family: heading in the manual; view: of its picture; schemes: with
-    which it makes sense; slow: the matrix of the tests runs it in one way only."""
+    """A scene of the suite. family: heading in the manual; view, section: of its picture; schemes:
+    with which it makes sense; quick: the only one with which the tests run it, others take long."""
 
     name: str
     family: str
@@ -39,6 +39,7 @@ class Scene:
     section: str = ""
     schemes: tuple = SCHEMES
     ranks: tuple = RANKS
+    quick: str = ""
 
 
 def hard(family, **options):
@@ -63,7 +64,9 @@ class Measured:
     least: float
     most: float
     unit: str = ""
-    rank_spread: float = 0.01  # what may differ between numbers of ranks, of the width of the bounds
+    rank_spread: float = (
+        0.01  # what may differ between numbers of ranks, of the width of the bounds
+    )
 
     @property
     def good(self):
@@ -110,15 +113,33 @@ class Case:
         style = style if "law" in style else f"law foundation {style}"
         return scene.contact(style, coeff if "layer" in coeff else f"{layer} {coeff}")
 
-    def deck(self, scene, time, dt, *, frames=4, cortex=None, contact=None, volume="", motion=None,
-             before="", extra="", thermo=(), group="all", maxmove="", settle=None, then="", auto=""):
-        """A complete deck that covers `time` in steps of dt, with so many frames in its dump; negative:
-        at logarithmic distances, for what decays.
+    def deck(
+        self,
+        scene,
+        time,
+        dt,
+        *,
+        frames=4,
+        cortex=None,
+        contact=None,
+        volume="",
+        motion=None,
+        before="",
+        extra="",
+        thermo=(),
+        group="all",
+        maxmove="",
+        settle=None,
+        then="",
+        auto="",
+    ):
+        """A complete deck that covers `time` in steps of dt, with so many frames in its dump;
+        negative: at logarithmic distances, for what decays.
 
         before: ahead of the fixes; extra: ahead of fix dcm/motion; thermo: more columns,
         name=formula. settle: (time, dt) of a run before, whose frames do not count; then: commands
         between the two. auto: keywords of dt auto, for steps chosen by their error (implicit).
-        """  # fmt: skip
+        """
         steps = max(1, round(time / dt))
         every = max(1, steps // frames) if frames > 0 else 1
         options = f"maxmove {maxmove}" if maxmove else ""
@@ -137,18 +158,26 @@ class Case:
             + ((volume or scene.volume()) if has_dcm else "")
             + extra
             + (self.motion(scene, options, group) if motion is None else motion)
-            + (f"timestep {settle[1]!r}\nrun {round(settle[0] / settle[1])}\nreset_timestep 0\n"
-               if settle else "")
+            + (
+                f"timestep {settle[1]!r}\nrun {round(settle[0] / settle[1])}\nreset_timestep 0\n"
+                if settle
+                else ""
+            )
             + then
             + self.output((steps, -frames) if frames < 0 else every, has_dcm, thermo)
             + f"timestep {dt!r}\n"
             + run
-        )  # fmt: skip
+        )
 
     def output(self, every, has_dcm=True, thermo=()):
         """Dump and thermo of a deck. The dump holds all that the measures need."""
-        names = {"c_p[1]": "kind", "c_p[2]": "v1", "c_p[3]": "v2", "c_p[4]": "v3",
-                 "c_p[5]": "volume0"}  # fmt: skip
+        names = {
+            "c_p[1]": "kind",
+            "c_p[2]": "v1",
+            "c_p[3]": "v2",
+            "c_p[4]": "v3",
+            "c_p[5]": "volume0",
+        }
         colnames = " ".join(f"colname {a} {b}" for a, b in names.items())
         often = every
         text = ""
@@ -169,7 +198,9 @@ class Case:
             columns.append(f"v_{name}" if formula else name)
         energies = "ebond edihed f_volume" if has_dcm else ""
         return text + (
-            f"thermo_style custom step time atoms {energies} epair f_motion[*] {' '.join(columns)}\n"
+            f"thermo_style custom step time atoms {energies} epair f_motion[*] "
+            + " ".join(columns)
+            + "\n"
             f"thermo_modify norm no format float %.17g\nthermo {often}\n"
         )
 
@@ -192,27 +223,36 @@ class Case:
 
     def check(self, name, value, most=np.inf, least=-np.inf, unit="", spread=0.01):
         """Note a measured value; most, least: where it is right."""
-        self.measured.append(
-            Measured(name, float(value), float(least), float(most), unit, spread)
-        )
+        self.measured.append(Measured(name, float(value), float(least), float(most), unit, spread))
 
     def close(self, name, value, expected, rel=None, tol=None, unit="", spread=0.01):
         """The same for a value that is to be near another."""
         width = tol if tol is not None else rel * abs(expected)
         self.check(name, value, expected + width, expected - width, unit, spread)
 
-    def sound(self, run, *, depth=0.25, quality=0.05, volume=None, force=(0.0, 0.0, 0.0),
-              periodic=False, balanced=True):
+    def sound(
+        self,
+        run,
+        *,
+        depth=0.25,
+        quality=0.05,
+        volume=None,
+        force=(0.0, 0.0, 0.0),
+        periodic=False,
+        balanced=True,
+    ):
         """What holds in every scene, in the last frame (finite numbers: in all of them).
 
-        depth: deepest overlap in mean edges, 0.25 is what the pair style warns from (0.3 of the 0.75
-        that end a run); volume: bounds of V/V0 from the pressures a scene can have; force: the
-        external one.
-        """  # fmt: skip
+        depth: deepest overlap in mean edges, 0.25 is what the pair style warns from (0.3 of the
+        0.75 that end a run); volume: bounds of V/V0 from the pressures a scene can have; force:
+        the external one."""
         self.note("sound")
         last = run.last
-        finite = all(np.isfinite(frame[name]).all() for frame in run.frames
-                     for name in ("xu", "yu", "zu", "vx", "vy", "vz", "fx", "fy", "fz"))  # fmt: skip
+        finite = all(
+            np.isfinite(frame[name]).all()
+            for frame in run.frames
+            for name in ("xu", "yu", "zu", "vx", "vy", "vz", "fx", "fy", "fz")
+        )
         finite &= all(np.isfinite(list(row.values())).all() for row in run.thermo)
         self.check("numbers that are not finite", 0 if finite else 1, most=0)
         cells = last.cells.values()
@@ -239,17 +279,22 @@ class Case:
     def stopped(self, run, *patterns):
         """The run ended in an error that has all patterns, in a step one on each process that sees
         it, before the first step one in all; no frame has a NaN."""
-        errors = sorted({line.partition(": ")[2] for line in run.out.splitlines()
-                         if "ERROR" in line})  # fmt: skip
+        errors = sorted(
+            {line.partition(": ")[2] for line in run.out.splitlines() if "ERROR" in line}
+        )
         self.check("return code", run.returncode != 0, least=1)
-        self.check("error lines", len(errors), least=1, most=self.ranks if run.thermo else 1,
-                   spread=1.0)  # fmt: skip
+        self.check(
+            "error lines", len(errors), least=1, most=self.ranks if run.thermo else 1, spread=1.0
+        )
         text = errors[0] if errors else ""
         for pattern in patterns:
             says = sum(bool(re.search(pattern, e)) for e in errors) == len(errors) > 0
             self.check(f"the error says /{pattern}/", says, least=1)
-        self.check("numbers that are not finite", sum(not np.isfinite(f.x).all()
-                                                      for f in run.frames), most=0)  # fmt: skip
+        self.check(
+            "numbers that are not finite",
+            sum(not np.isfinite(f.x).all() for f in run.frames),
+            most=0,
+        )
         self.note("stops: " + re.sub(r"\s*\(.*?\.cpp:\d+\)", "", text))
 
     def note(self, outcome):
@@ -300,8 +345,6 @@ class Run(Result):
 
 def perform(scene, case):
     """Run and judge; returns the case."""
-    try:
+    with contextlib.suppress(Stopped):
         scene.function(case)
-    except Stopped:
-        pass
     return case

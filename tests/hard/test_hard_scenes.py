@@ -1,12 +1,10 @@
-"""Every scene of the hard-case suite, in two ways of running each: ranks 1 to 4 and both schemes are
-spread over the scenes. tools/hard runs all scenes in all ways.
-"""
+"""Every scene of the hard-case suite, in two ways of running each: ranks 1 to 4 and both
+schemes are spread over the scenes. tools/hard runs all scenes in all ways."""
 
 import pytest
 
 from hard import families
 from hard.suite import RANKS, SCENES, SCHEMES, Case, perform
-
 
 # numbers of ranks of the two ways of a scene: more ranks than cores cost time
 PAIRS = ((1, 2), (3, 1), (1, 4), (2, 1), (1, 3), (4, 1))
@@ -15,7 +13,8 @@ PAIRS = ((1, 2), (3, 1), (1, 4), (2, 1), (1, 3), (4, 1))
 def ways(number, scene):
     """Two ways (ranks, scheme) for a scene."""
     pair = PAIRS[number % len(PAIRS)]
-    return [(ranks, scene.schemes[k % len(scene.schemes)]) for k, ranks in enumerate(pair)]
+    schemes = (scene.quick,) if scene.quick else scene.schemes
+    return [(ranks, schemes[k % len(schemes)]) for k, ranks in enumerate(pair)]
 
 
 WAYS = [

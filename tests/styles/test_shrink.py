@@ -14,13 +14,19 @@ PULL = "group tip id 10\nfix tip tip addforce 0 0 {force}\n"
 
 def pulled(scenes, options, dt, run, *, force=8.0, every=10, head=None, more="", boundary="f f f"):
     """A node of a cell drawn out at once: it moves fast at first."""
+    count = ["n=f_motion[11]"] if "shrink" in options else []
     scene = scenes.single_cell(level=1, box=40.0, boundary=boundary)
     return (
-        (head or scene.head()) + scene.forces() + PULL.format(force=force)
-        + scene.motion(options=f"tolerance 1e-12 {options}") + more
-        + scenes.dump(COLUMNS, every) + scenes.thermo(["time", "dt"] + (["n=f_motion[11]"] if "shrink" in options else []), 1)
-        + (f"timestep {dt!r}\n" if dt else "") + run
-    )  # fmt: skip
+        (head or scene.head())
+        + scene.forces()
+        + PULL.format(force=force)
+        + scene.motion(options=f"tolerance 1e-12 {options}")
+        + more
+        + scenes.dump(COLUMNS, every)
+        + scenes.thermo(["time", "dt"] + count, 1)
+        + (f"timestep {dt!r}\n" if dt else "")
+        + run
+    )
 
 
 @pytest.mark.parametrize("scheme", ["explicit", "implicit"])
@@ -28,21 +34,32 @@ def test_goes_on_where_a_step_is_too_long(lmp, scenes, scheme):
     """By default an error that names the remedy; with shrink the way of steps a tenth as long."""
     options = f"scheme {scheme} maxmove 0.02"
     stopped = lmp.run(pulled(scenes, options, 1.0, "run 100\n"))
-    assert re.search(r"would move by .*or let such steps become shorter, maxmove X shrink",
-                     stopped.error)  # fmt: skip
+    assert re.search(
+        r"would move by .*or let such steps become shorter, maxmove X shrink", stopped.error
+    )
     result = lmp(pulled(scenes, options + " shrink", 1.0, "run 100\n"))
     steps = [row["Dt"] for row in result.thermo]
     assert min(steps) < 0.5 and steps[-1] == 1.0
     short = sum(dt < 1.0 for dt in steps[:-1])  # that of the last line is the step after the run
-    assert re.search(rf"dcm/motion: {short} of 100 steps of this run were shorter than the "
-                     rf"timestep 1, the shortest {min(steps):.4g}", result.log)  # fmt: skip
+    assert re.search(
+        rf"dcm/motion: {short} of 100 steps of this run were shorter than the "
+        rf"timestep 1, the shortest {min(steps):.4g}",
+        result.log,
+    )
     assert result.log.count("steps are shorter than the timestep") == 1
     for row, dt, after in zip(result.thermo, steps, result.thermo[1:]):
         assert after["Time"] - row["Time"] == pytest.approx(dt, rel=1e-9)
     # at the same time the same place, to the first order in steps of 1 s
     end = result.thermo[-1]["Time"]
-    fine = lmp(pulled(scenes, f"scheme {scheme} maxmove 1 stop {end}", 0.02, "run 1000000\n",
-                      every=round(end / 0.02)))  # fmt: skip
+    fine = lmp(
+        pulled(
+            scenes,
+            f"scheme {scheme} maxmove 1 stop {end}",
+            0.02,
+            "run 1000000\n",
+            every=round(end / 0.02),
+        )
+    )
     a, b = result.dump()[-1], fine.dump()[-1]
     way = np.linalg.norm(b.x - fine.dump()[0].x, axis=1)
     assert np.linalg.norm(a.x - b.x, axis=1).max() < 0.02 * way.max()
@@ -73,9 +90,10 @@ def test_restart_is_exact(lmp, scenes, at):
     options, rest = "maxmove 0.02 shrink", 60 - at
     run = f"run {at}\nwrite_restart a.restart\nrun {rest}\n"
     parts = lmp(pulled(scenes, options, 1.0, run, every=60))
-    again = lmp(pulled(scenes, options, None, f"run {rest}\n", every=60,
-                       head="read_restart a.restart\n"),
-                files={"a.restart": parts.path / "a.restart"})  # fmt: skip
+    again = lmp(
+        pulled(scenes, options, None, f"run {rest}\n", every=60, head="read_restart a.restart\n"),
+        files={"a.restart": parts.path / "a.restart"},
+    )
     same(again.dump()[-1], parts.dump()[-1], COLUMNS)
     for name in ("Time", "Dt"):
         assert [r[name] for r in again.thermo] == [r[name] for r in parts.runs[1]]
@@ -96,8 +114,11 @@ def test_timestep_of_the_deck_counts(lmp, scenes):
 def test_a_step_that_cannot_be_short_enough(lmp, scenes):
     """Not even in a thousandth of the step: the error, with the timestep and what was tried."""
     result = lmp.run(pulled(scenes, "maxmove 0.02 shrink", 1.0, "run 10\n", force=3e5))
-    assert re.search(r"would move by .* at step \d+.*maxmove 0.02; use a smaller timestep than 1 "
-                     r"\(it was tried down to 0.001\)", result.error)  # fmt: skip
+    assert re.search(
+        r"would move by .* at step \d+.*maxmove 0.02; use a smaller timestep than 1 "
+        r"\(it was tried down to 0.001\)",
+        result.error,
+    )
 
 
 def test_who_does_not_go_with_it(lmp, scenes):

@@ -2,6 +2,7 @@
 
 A result is FOLDER/SCENE.SCHEME.RANKS.json; FOLDER/SCENE.dump is the frame that the picture shows.
 """
+
 import argparse
 import csv
 import json
@@ -16,6 +17,7 @@ from pathlib import Path
 
 from hard import families
 from hard.suite import RANKS, SCENES, SCHEMES, Case, Measured, perform
+
 from support import scenes as shared_scenes
 from support.runner import Runner
 
@@ -36,7 +38,7 @@ class Way:
         if self.path.exists():
             try:
                 self.result = json.loads(self.path.read_text())
-            except ValueError:    # cut short
+            except ValueError:  # cut short
                 self.path.unlink()
 
     @property
@@ -56,22 +58,34 @@ class Way:
         runs = self.folder / "runs" / f"{self.scene.name}.{self.scheme}.{self.ranks}"
         shutil.rmtree(runs, ignore_errors=True)
         runs.mkdir(parents=True)
-        case = Case(Runner(runs), shared_scenes, self.ranks, self.scheme, full,
-                    timeout=7200.0 if full else 600.0)
+        case = Case(
+            Runner(runs),
+            shared_scenes,
+            self.ranks,
+            self.scheme,
+            full,
+            timeout=7200.0 if full else 600.0,
+        )
         begun = time.time()
         try:
             perform(self.scene, case)
         except KeyboardInterrupt:
             raise
-        except BaseException as fault:    # a time limit is one of pytest's own
+        except BaseException as fault:  # a time limit is one of pytest's own
             case.outcomes.append("error: " + (str(fault) or traceback.format_exc()))
         seconds = time.time() - begun
-        self.result = dict(measured=[asdict(m) for m in case.measured], good=case.good,
-                           outcome=case.outcome, seconds=seconds, faults=case.faults())
+        self.result = dict(
+            measured=[asdict(m) for m in case.measured],
+            good=case.good,
+            outcome=case.outcome,
+            seconds=seconds,
+            faults=case.faults(),
+        )
         shown = self.folder / f"{self.scene.name}.dump"
-        if case.picture and Path(case.picture).exists() and Path(case.picture).stat().st_size > 0:
-            if not shown.exists() or (self.scheme, self.ranks) == (self.scene.schemes[-1], 1):
-                shown.write_text(last_frame(Path(case.picture)))
+        best = not shown.exists() or (self.scheme, self.ranks) == (self.scene.schemes[-1], 1)
+        dump = Path(case.picture) if case.picture else None
+        if best and dump and dump.exists() and dump.stat().st_size > 0:
+            shown.write_text(last_frame(dump))
         part = self.path.with_suffix(".part")
         part.write_text(json.dumps(self.result, indent=1))
         part.rename(self.path)
@@ -82,7 +96,7 @@ class Way:
 
 def last_frame(path):
     text = path.read_text()
-    return text[text.rindex("ITEM: TIMESTEP"):]
+    return text[text.rindex("ITEM: TIMESTEP") :]
 
 
 def width(m):
@@ -113,8 +127,13 @@ class Suite:
     def __init__(self, scenes, schemes, ranks, folder, full):
         self.scenes, self.folder, self.full = scenes, folder, full
         folder.mkdir(parents=True, exist_ok=True)
-        self.ways = [Way(s, scheme, n, folder) for s in scenes for scheme in s.schemes
-                     for n in s.ranks if scheme in schemes and n in ranks]
+        self.ways = [
+            Way(s, scheme, n, folder)
+            for s in scenes
+            for scheme in s.schemes
+            for n in s.ranks
+            if scheme in schemes and n in ranks
+        ]
 
     def of(self, scene, scheme=None):
         return [w for w in self.ways if w.scene is scene and scheme in (None, w.scheme)]
@@ -126,9 +145,12 @@ class Suite:
         for k, way in enumerate(todo):
             way.run(self.full)
             left = (time.time() - begun) / (k + 1) * (len(todo) - k - 1)
-            say(f"[hard {time.strftime('%H:%M')}] {k + 1} of {len(todo)}: {way.name}: "
+            say(
+                f"[hard {time.strftime('%H:%M')}] {k + 1} of {len(todo)}: {way.name}: "
                 f"{'right' if way.good else 'WRONG'}, {way.result['seconds']:.0f} s; time left: "
-                f"{clock(left)}", flush=True)
+                f"{clock(left)}",
+                flush=True,
+            )
             for fault in way.result["faults"]:
                 say(f"    {fault.splitlines()[0]}", flush=True)
 
@@ -137,8 +159,9 @@ class Suite:
         found = []
         for scheme in scene.schemes:
             ways = self.of(scene, scheme)
-            found += [f"{w.scheme}, {w.ranks}: {f}" for w in ways if w.result
-                      for f in w.result["faults"]]
+            found += [
+                f"{w.scheme}, {w.ranks}: {f}" for w in ways if w.result for f in w.result["faults"]
+            ]
             found += [f"{scheme}: {f}" for f in rank_faults(ways)]
         return found
 
@@ -154,24 +177,37 @@ class Suite:
         """One row per measured value and way."""
         for way in self.ways:
             for m in way.measured:
-                yield dict(scene=way.scene.name, scheme=way.scheme, ranks=way.ranks, measured=m.name,
-                           value=m.value, least=m.least, most=m.most, unit=m.unit, right=m.good)
+                yield dict(
+                    scene=way.scene.name,
+                    scheme=way.scheme,
+                    ranks=way.ranks,
+                    measured=m.name,
+                    value=m.value,
+                    least=m.least,
+                    most=m.most,
+                    unit=m.unit,
+                    right=m.good,
+                )
 
     def write(self):
         """table.csv, table.txt; returns the text."""
         rows = list(self.rows())
         with open(self.folder / "table.csv", "w", newline="", encoding="utf-8") as out:
-            table = csv.DictWriter(out, ["scene", "scheme", "ranks", "measured", "value", "least",
-                                         "most", "unit", "right"])
+            table = csv.DictWriter(
+                out,
+                ["scene", "scheme", "ranks", "measured", "value", "least", "most", "unit", "right"],
+            )
             table.writeheader()
             table.writerows(rows)
         lines = []
         for scene in self.scenes:
             ways = [w for w in self.of(scene) if w.result]
             seconds = sum(w.result["seconds"] for w in ways)
-            lines.append(f"{self.verdict(scene):8s} {scene.name:40s} {len(ways)} of "
-                         f"{len(self.of(scene))} ways, {sum(len(w.measured) for w in ways)} values, "
-                         f"{seconds:.0f} s")
+            lines.append(
+                f"{self.verdict(scene):8s} {scene.name:40s} {len(ways)} of "
+                f"{len(self.of(scene))} ways, {sum(len(w.measured) for w in ways)} values, "
+                f"{seconds:.0f} s"
+            )
             lines += [f"         {fault.splitlines()[0]}" for fault in self.faults(scene)]
         text = "\n".join(lines) + "\n"
         (self.folder / "table.txt").write_text(text)
@@ -181,14 +217,31 @@ class Suite:
         """A picture of each scene, by the project's own renderer."""
         for scene in self.scenes:
             dump, picture = (self.folder / f"{scene.name}{end}" for end in (".dump", ".png"))
-            if not dump.exists() or (picture.exists() and
-                                     picture.stat().st_mtime > dump.stat().st_mtime):
+            if not dump.exists() or (
+                picture.exists() and picture.stat().st_mtime > dump.stat().st_mtime
+            ):
                 continue
-            how = ["--section", scene.section] if scene.section else [
-                "--view", scene.view, "--color", "cell", "--edges"]
-            done = subprocess.run([sys.executable, "-m", "lammps_dcm", "render", str(dump), *how,
-                                   "--size", "480", "-o", str(picture)], capture_output=True,
-                                  text=True)
+            how = (
+                ["--section", scene.section]
+                if scene.section
+                else ["--view", scene.view, "--color", "cell", "--edges"]
+            )
+            done = subprocess.run(
+                [
+                    sys.executable,
+                    "-m",
+                    "lammps_dcm",
+                    "render",
+                    str(dump),
+                    *how,
+                    "--size",
+                    "480",
+                    "-o",
+                    str(picture),
+                ],
+                capture_output=True,
+                text=True,
+            )
             if done.returncode:
                 print(f"[hard] no picture of {scene.name}: {done.stderr.strip()[-300:]}")
 
@@ -200,22 +253,23 @@ INTRO = """.. This page is written by tools/hard --page.
 Hard cases
 ==========
 
-The package goes on with a right result, or stops with one error that names style, cell, step, value and
-remedy.  {count} scenes in which that is hard are run on 1, 2, 3 and 4 ranks, with the explicit and the
-implicit step of :doc:`fix dcm/motion <fix_dcm_motion>`::
+The package goes on with a right result, or stops with one error that names style, cell, step,
+value and remedy. {count} scenes in which that is hard are run on 1, 2, 3 and 4 ranks, with the
+explicit and the implicit step of :doc:`fix dcm/motion <fix_dcm_motion>`::
 
    tools/hard                        # all scenes, all ways; can be stopped and called again
    tools/hard crushed_to_40_percent  # one
    tools/hard --full                 # the long versions
    tools/hard --page                 # and this page
 
-Each scene has a criterion: measured values, and between which bounds they are right.  Bounds follow from the
-laws or from a run that the case is compared with (half the step, the next mesh, a free cell), never from a run
-of the case itself.  All scenes also ask for finite numbers in every frame, closed surfaces, forces that add
-up to those from outside, and cells that are in each other by no more than a stated depth; the table
-has the worst of what was found on all numbers of ranks.  Values on different numbers of ranks
-agree to a hundredth of the width of the bounds, unless the value is a residual.  The scenes are functions in
-``tests/hard``; ``tools/test tests/hard`` runs each in two of the eight ways.
+Each scene has a criterion: measured values, and between which bounds they are right. Bounds
+follow from the laws or from a run that the case is compared with (half the step, the next mesh, a
+free cell), never from a run of the case itself. All scenes also ask for finite numbers in every
+frame, closed surfaces, forces that add up to those from outside, and cells that are in each other
+by no more than a stated depth; the table has the worst of what was found on all numbers of ranks.
+Values on different numbers of ranks agree to a hundredth of the width of the bounds, unless the
+value is a residual. The scenes are functions in ``tests/hard``; ``tools/test tests/hard`` runs
+each in two of the eight ways.
 
 This page shows the {version} versions.  {summary}
 
@@ -262,21 +316,38 @@ def section(suite, scene):
     title = scene.name.replace("_", " ").capitalize()
     lines = [title, "^" * len(title), ""]
     if (suite.folder / f"{scene.name}.png").exists():
-        lines += [f".. image:: img/hard/{scene.name}.png", "   :width: 220px", "   :align: right",
-                  f"   :alt: {title}", ""]
+        lines += [
+            f".. image:: img/hard/{scene.name}.png",
+            "   :width: 220px",
+            "   :align: right",
+            f"   :alt: {title}",
+            "",
+        ]
     lines += [scene.sentence, "", f"*Right if:* {scene.criterion}", ""]
     outcomes = sorted({w.result["outcome"] for w in suite.of(scene) if w.result})
     seconds = sum(w.result["seconds"] for w in suite.of(scene) if w.result)
     done = sum(bool(w.result) for w in suite.of(scene))
-    lines += [f"*Outcome:* **{suite.verdict(scene)}** in {done} ways ({seconds:.0f} s): "
-              + "; ".join(plain(" ".join(o.split())) for o in outcomes) + ".", ""]
+    lines += [
+        f"*Outcome:* **{suite.verdict(scene)}** in {done} ways ({seconds:.0f} s): "
+        + "; ".join(plain(" ".join(o.split())) for o in outcomes)
+        + ".",
+        "",
+    ]
     for fault in suite.faults(scene):
         lines += [f"*Wrong:* {plain(' '.join(fault.split()))}", ""]
     by_scheme = {s: worst_values(suite.of(scene, s)) for s in scene.schemes}
     names = list(dict.fromkeys(n for values in by_scheme.values() for n in values))
     if names:
-        lines += [".. list-table::", "   :header-rows: 1", "   :widths: 40 24 18 18", "",
-                  "   * - measured", "     - right", "     - explicit", "     - implicit"]
+        lines += [
+            ".. list-table::",
+            "   :header-rows: 1",
+            "   :widths: 40 24 18 18",
+            "",
+            "   * - measured",
+            "     - right",
+            "     - explicit",
+            "     - implicit",
+        ]
         for name in names:
             some = next(v[name] for v in by_scheme.values() if name in v)
             unit = f" ({some.unit})" if some.unit else ""
@@ -294,10 +365,13 @@ def write_page(suite, root):
     images.mkdir(parents=True, exist_ok=True)
     done = [w for w in suite.ways if w.result]
     right = sum(suite.verdict(s) == "right" for s in suite.scenes)
-    summary = (f"{right} of {len(suite.scenes)} scenes are right; {len(done)} ways, "
-               f"{sum(len(w.measured) for w in done)} measured values.")
-    text = INTRO.format(count=len(suite.scenes), version="long" if suite.full else "quick",
-                        summary=summary)
+    summary = (
+        f"{right} of {len(suite.scenes)} scenes are right; {len(done)} ways, "
+        f"{sum(len(w.measured) for w in done)} measured values."
+    )
+    text = INTRO.format(
+        count=len(suite.scenes), version="long" if suite.full else "quick", summary=summary
+    )
     lines, family = [], None
     for scene in suite.scenes:
         if scene.family != family:
@@ -321,6 +395,7 @@ def shrink(source, target):
 
 
 # ---------------------------------------------------------------------- command line
+
 
 def main(words=None):
     """Run the command line; returns the exit status."""
@@ -360,8 +435,10 @@ def main(words=None):
     print(text, end="")
     verdicts = [suite.verdict(s) for s in scenes]
     wrong = verdicts.count("WRONG")
-    print(f"[hard] {verdicts.count('right')} of {len(scenes)} scenes right, {wrong} wrong, "
-          f"{verdicts.count('not run')} not run; {folder}/table.txt")
+    print(
+        f"[hard] {verdicts.count('right')} of {len(scenes)} scenes right, {wrong} wrong, "
+        f"{verdicts.count('not run')} not run; {folder}/table.txt"
+    )
     return 1 if wrong else 0
 
 
