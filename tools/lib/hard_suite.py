@@ -141,6 +141,7 @@ class Suite:
     def run(self, again, say=print):
         """Run what has no result."""
         todo = [w for w in self.ways if again or not w.result]
+        todo.sort(key=lambda way: way.ranks)  # so that every scene has a result soon
         begun = time.time()
         for k, way in enumerate(todo):
             way.run(self.full)
