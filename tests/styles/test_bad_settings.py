@@ -205,7 +205,7 @@ def test_unit_of_the_layer(lmp, scenes):
     """The default is a length in um as well."""
     scene = scenes.doublet(radius=6e-3, gap=-1e-4, box=20e-3)
     contact = scene.contact("law foundation h0 0.0008 range 0.003").replace("0.6", "0.0006")
-    fails(lmp, whole(scene, contact=contact), "layer of cell type hepatoblast is 0.25 .the default")
+    fails(lmp, whole(scene, contact=contact), "layer of cell type hepatoblast is 0.1 .the default")
 
 
 def test_unit_of_lengths_given(lmp, scenes):

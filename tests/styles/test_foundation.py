@@ -19,7 +19,7 @@ def stiffness(layer, other=None):
 BARE = "bond_style zero nocoeff\nbond_coeff *\ndihedral_style zero nocoeff\ndihedral_coeff *\n"
 
 
-@pytest.mark.parametrize("layer", [0.25, 0.05])
+@pytest.mark.parametrize("layer", [0.25, 0.1])
 @pytest.mark.parametrize("overlap", [0.02, 0.3])
 @pytest.mark.parametrize("rmax", [100, 1000])
 def test_flats_repel_with_k_times_overlap(lmp, scenes, layer, overlap, rmax):
@@ -85,9 +85,9 @@ def test_meshes_that_coincide_lose_no_contact(lmp, scenes, law, overlap):
 
 
 def test_layers_of_two_types(lmp, scenes):
-    """Each type's own layer from the parameter file, 0.25 um for one that names none."""
+    """Each type's own layer from the parameter file, 0.1 um for one that names none."""
     scene = scenes.doublet()
-    text = "celltype a\n E_contact 5\n nu_contact 0.4\n layer 0.1\ncelltype b\n E_contact 5\n" \
+    text = "celltype a\n E_contact 5\n nu_contact 0.4\n layer 0.25\ncelltype b\n E_contact 5\n" \
         " nu_contact 0.4\n"  # fmt: skip
     contact = (
         "pair_style dcm/contact law foundation\n"
