@@ -462,7 +462,7 @@ void FixDCMMotion::check_move()
              STYLE, kind_name(who[2]), who[0], who[1], largest_move * scale, update->ntimestep,
              largest_move, (who[2] == AtomVecDCM::SPHERE) ? "radius" : "mean edge length", scale,
              maxmove, shrinks ? given : update->dt,
-             shrinks ? fmt::format(" (it was tried down to {:.3g})", update->dt)
+             shrinks     ? fmt::format(" (it was tried down to {:.3g})", update->dt)
              : automatic ? ""
                          : " (or let such steps become shorter, maxmove X shrink)");
 }

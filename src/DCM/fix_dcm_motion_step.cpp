@@ -242,7 +242,8 @@ void FixDCMMotion::count_short()
 void FixDCMMotion::tell_short()
 {
   if (nshort == 0.0 || comm->me != 0) return;
-  utils::logmesg(lmp, "{}: {:.0f} of {} steps of this run were shorter than the timestep {}, the "
+  utils::logmesg(lmp,
+                 "{}: {:.0f} of {} steps of this run were shorter than the timestep {}, the "
                  "shortest {:.4g}\n",
                  STYLE, nshort, update->ntimestep - update->firststep, given, shortest);
 }

@@ -1,4 +1,4 @@
-"""Groups without cells, and cells that are deleted between runs: one error, or a run that is right."""
+"""Groups without cells, and cells deleted between runs: one error, or a run that is right."""
 
 import pytest
 

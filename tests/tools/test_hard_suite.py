@@ -81,8 +81,10 @@ def test_a_fault_of_the_scene_is_a_result(tool, tmp_path):
     scene, suite = suite_of(tool, tmp_path, lambda case: 1 / 0)
     suite.run(False, quiet)
     assert suite.verdict(scene) == "WRONG"
-    assert "division by zero" in json.loads(
-        (tmp_path / "a_scene.explicit.1.json").read_text())["outcome"]
+    assert (
+        "division by zero"
+        in json.loads((tmp_path / "a_scene.explicit.1.json").read_text())["outcome"]
+    )
     assert (tmp_path / "runs/a_scene.explicit.1").exists()  # kept, to look at
 
 
@@ -98,7 +100,16 @@ def test_page(tool, tmp_path):
     (tmp_path / "doc").mkdir()
     tool.write_page(suite, tmp_path)
     page = (tmp_path / "doc/hard_cases.rst").read_text()
-    for text in ("Family\n------\n", "A scene\n^^^^^^^\n", "A sentence.", "*Right if:* A criterion.",
-                 r"a\_value\* (um)", "0 to 2", "- 1.002", "**right** in 2 ways",
-                 r"stops: \`x\_1\` at step 3", "1 of 1 scenes are right"):
+    for text in (
+        "Family\n------\n",
+        "A scene\n^^^^^^^\n",
+        "A sentence.",
+        "*Right if:* A criterion.",
+        r"a\_value\* (um)",
+        "0 to 2",
+        "- 1.002",
+        "**right** in 2 ways",
+        r"stops: \`x\_1\` at step 3",
+        "1 of 1 scenes are right",
+    ):
         assert text in page, text
