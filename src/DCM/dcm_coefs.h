@@ -17,6 +17,7 @@
 #include "utils.h"
 
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -87,8 +88,11 @@ template <class Coef> class DCMCoefs : protected Pointers {
 template <class Coef> void DCMCoefs<Coef>::parse(int narg, char **arg, int *setflag)
 {
   if (narg < 1) error->all(FLERR, "{}: expected a type and a cell type", asking);
-  int ilo, ihi;
-  utils::bounds(FLERR, arg[0], 1, count(), ilo, ihi, error);
+  int ilo = -1, ihi = -1;
+  if (strlen(arg[0]) < 12) utils::bounds(FLERR, arg[0], 1, count(), ilo, ihi, nullptr);
+  if (ilo < 1 || ihi > count() || ilo > ihi)
+    error->all(FLERR, "{}: type is {}, must be one of the {} types of the box, or a range of them",
+               asking, arg[0], count());
 
   Entry entry;
   auto fields = entry.coef.fields();

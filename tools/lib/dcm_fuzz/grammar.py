@@ -72,7 +72,7 @@ class Deck:
         return " ".join(self.number(-most, most) for _ in range(3))
 
     def group(self):
-        return self.one("all", "all", "all", "deformable", "spheres", "first", "right", "centers")
+        return self.one(*["all"] * 6, "deformable", "spheres", "first", "right", "centers")
 
     def say(self, lines):
         self.out += [" ".join(line.split()) for line in lines.split("\n") if line.strip()]
@@ -164,7 +164,7 @@ class Deck:
         style = self.some(
             0.25, lambda: f"points {self.whole(1, 4)}", lambda: f"h0 {self.number(0.05, 0.5)}",
             lambda: f"h0 auto {self.number(0.05, 0.5)}", lambda: f"rmax {self.number(1, 10)}",
-            lambda: f"range {self.number(1.0, 3.0)}", lambda: f"maxoverlap {self.number(2, 9)}",
+            lambda: f"range {self.number(2.0, 3.0)} maxoverlap {self.number(1.5, 2.0)}",
             lambda: f"concave {self.one('flat', 'negative')}",
             lambda: f"growth {self.number(1, 3)}",
         )  # fmt: skip
@@ -175,14 +175,14 @@ class Deck:
         self.coeff = f"pair_coeff * * {self.names()} " + self.some(
             0.15, lambda: f"W {self.number(0.01, 0.3)}", lambda: f"E_contact {self.number(1, 10)}",
             lambda: f"friction_normal {self.number(1, 100)}", lambda: f"a1 {self.number(0, 1)}",
-            lambda: f"layer {self.number(0.05, 0.5)}",
+            *[lambda: f"layer {self.number(0.05, 0.5)}"] * (law == "foundation" or bool(self.wild)),
         )  # fmt: skip
         lines.append(self.coeff)
         self.rebuild = f"neighbor {self.number(0.6, 1.5)} {self.one('multi', 'multi', 'bin')}"
         lines.append(self.rebuild)
-        if self.maybe(0.2):
-            lines.append(f"comm_modify cutoff {self.number(10, 16)}")
-        if self.maybe(0.15):
+        if self.maybe(0.1):
+            lines.append(f"comm_modify cutoff {self.number(20, 30)}")
+        if self.maybe(0.15 if self.wild else 0.03):
             lines.append(f"neigh_modify {self.neigh()}")
         if self.maybe(0.1 * bool(self.wild)):
             self.rng.shuffle(lines)
@@ -250,13 +250,18 @@ class Deck:
             "tension v_ramp"))  # fmt: skip
 
     def confine(self):
-        what = self.one(f"pressure {self.number(0.01, 0.3)} over deformable",
-                        f"plane {self.one('x', 'y', 'z')} {self.number(0.1, 10)}")  # fmt: skip
-        self.fix("confine", f"{self.group()} dcm/confine {what} " + self.some(
-            0.2, lambda: f"tau {self.number(20, 600)}", lambda: f"axis {self.one('x', 'y', 'z')}",
+        pressure = self.maybe(0.5)
+        what = (f"pressure {self.number(0.01, 0.3)} over deformable" if pressure else
+                f"plane {self.one('x', 'y', 'z')} {self.number(0.1, 10)}")  # fmt: skip
+        options = [
+            lambda: f"tau {self.number(20, 600)}", lambda: f"axis {self.one('x', 'y', 'z')}",
             lambda: f"center {self.number(-3, 3)} {self.number(-3, 3)}",
             lambda: f"limit {self.number(1, 10)}", lambda: f"area {self.number(50, 300)}",
-            lambda: f"hold {self.one('yes', 'no')}"))  # fmt: skip
+            lambda: f"hold {self.one('yes', 'no')}",
+        ]  # fmt: skip
+        if not pressure and not self.wild:
+            options = [lambda: f"at {self.number(-3, 3)}"]
+        self.fix("confine", f"all dcm/confine {what} {self.some(0.2, *options)}")
 
     def growth(self):
         self.fix("growth", f"{self.group()} dcm/growth {self.names()} seed {self.whole(1, 99)} "
@@ -267,7 +272,7 @@ class Deck:
                      lambda: f"compression {self.number(0.05, 0.5)} {self.number(1, 4)}",
                      lambda: f"rounding {self.number(0, 0.5)} {self.number(0.5, 1)}",
                      lambda: f"until {self.one('rest', 'volume')}",
-                     lambda: f"newborn {self.number(400, 450)}",
+                     *[lambda: f"newborn {self.number(400, 450)}"] * bool(self.wild),
                      lambda: f"age {self.one('zero', 'random')}",
                      lambda: f"proliferating hepatoblast {self.number(0, 1)}"))  # fmt: skip
 
@@ -281,7 +286,7 @@ class Deck:
 
     def death(self):
         what = self.one("all", f"age {self.number(0, 5)}", "region half", "variable v_odd",
-                        f"rate {self.number(0.01, 0.2)} seed 3")  # fmt: skip
+                        f"rate {self.number(0.005, 0.03)} seed 3")  # fmt: skip
         self.fix("death", f"{self.one('first', 'right', 'spheres', 'patch')} dcm/death {what} "
                  + self.some(0.4, lambda: f"shrink {self.number(1, 100)}",
                              lambda: f"every {self.whole(1, 3)}", "log death.log"))  # fmt: skip
@@ -309,35 +314,41 @@ class Deck:
             lambda: f"freeze {self.number(1, 100)}", lambda: f"every {self.whole(1, 3)}"))  # fmt: skip
 
     def osmosis(self):
-        what = self.one(f"pressure {self.number(0.01, 0.3)}", "pressure v_ramp",
+        dilute = self.one("", "", f"dilute {self.number(10, 1000)}")
+        what = self.one(f"pressure {self.number(0.01, 0.3)} {dilute}", "pressure v_ramp",
                         f"solute rate {self.number(1e-6, 1e-3)} kT 2.5 loss 100")  # fmt: skip
+        apical = ["apical 50"] * ("polarity" in self.fixes or bool(self.wild))
         marks = "tracer" if "tracer" in self.fixes and self.maybe(0.5) else "flood"
         self.fix("osmosis", f"{self.group()} dcm/osmosis {what} marks {self.one(marks)} "
                  + self.some(
                      0.3, lambda: "starter " + self.one(f"{self.point(3)} {self.number(3, 50)} "
-                                                        f"{self.number(1, 99)}", "apical 50"),
+                                                        f"{self.number(1, 99)}", *apical),
                      lambda: f"slab z {self.number(-5, -1)} {self.number(1, 5)}",
                      lambda: f"free {self.number(0.01, 0.5)}",
                      lambda: f"range {self.number(1, 10)}", lambda: f"secrete {self.group()}",
                      lambda: f"weight {self.one('free', 'full')}",
                      lambda: f"memory {self.one('yes', 'no')}",
                      lambda: f"ramp {self.number(1, 100)}", lambda: f"every {self.whole(1, 3)}",
-                     lambda: f"dilute {self.number(10, 1000)}",
                      lambda: f"longest {self.number(1, 100)}"))  # fmt: skip
 
     def constriction(self):
+        lumen = ["lumen"] * ("osmosis" in self.fixes or bool(self.wild))
+        if not lumen:
+            lumen = ["born"]
+            self.fix("constriction", "all dcm/constriction when born")
+            return
         self.fix("constriction", f"{self.group()} dcm/constriction " + self.some(
             0.5, lambda: f"cap {self.number(0.5, 1)}", lambda: f"ribbon {self.number(0.5, 1)}",
             lambda: f"ramp {self.number(1, 300)}",
-            lambda: "when " + self.one("born", "lumen", f"time {self.number(0, 5)}"),
+            lambda: "when " + self.one("born", *lumen, f"time {self.number(0, 5)}"),
             lambda: f"release {self.one('yes', 'no')}",
             lambda: f"every {self.whole(1, 3)}"))  # fmt: skip
 
     def signal(self):
         self.fix("signal", f"right dcm/signal from {self.one('first', 'patch')} to 6 7 8 "
-                 f"{self.one('2 2', '')} time {self.one('0', '5', 'inf')} " + self.some(
-                     0.4, lambda: f"area {self.number(0, 0.2)}", lambda: f"lumen "
-                     f"{self.one('no', 'no', 'yes')}", lambda: f"lapse {self.one('reset', 'hold')}",
+                 f"{self.one('2 2', '')} time {self.one('0', '5', 'inf')} "
+                 f"{'' if 'osmosis' in self.fixes else 'lumen no'} " + self.some(
+                     0.4, lambda: f"area {self.number(0, 0.2)}", lambda: f"lapse {self.one('reset', 'hold')}",
                      lambda: f"every {self.whole(1, 3)}", "join patch"))  # fmt: skip
 
     def tracer(self):
@@ -359,8 +370,8 @@ class Deck:
         line = self.one(
             "all addforce 0.1 0 0", "first setforce 0 NULL 0", "all deform 1 x scale 0.99 remap x",
             "all balance 2 1.05 shift xyz 5 1.1", "all halt 3 v_ramp > 1e9", "all momentum 2 linear 1 1 1",
-            "all nve", "all langevin 1 1 1 3", "all print 1 'x'", "all property/atom d_q ghost yes",
-            "all ave/time 1 1 1 f_cell file ave.txt", "all enforce2d", "all viscous 0.1",
+            "all nve", "all print 1 'x'", "all property/atom d_q ghost yes",
+            "all ave/time 1 1 1 f_cell file ave.txt", "all viscous 0.1",
             "all recenter INIT INIT INIT", "all spring/self 1.0", "all store/state 1 x y z",
             "all wall/reflect zlo EDGE", "all bond/create 1 2 2 0.1 1",
             "all bond/break 1 1 0.1", "all deposit 1 4 1 77 region half", "all evaporate 1 1 half 9",
@@ -455,7 +466,7 @@ class Deck:
             f"delete_atoms group {g} bond {self.one('yes', 'no')} "
             f"compress {self.one('no', 'yes')}",
             "delete_atoms group right bond yes compress no",
-            f"displace_atoms {g} move {self.point(3)}", f"displace_atoms {g} random 0.1 0.1 0.1 7",
+            f"displace_atoms {g} move {self.point(3)}",
             f"displace_atoms {g} rotate 0 0 0 0 0 1 {self.number(0, 360)}",
             f"change_box all x scale {self.number(0.5, 2)} y scale {self.number(0.8, 1.2)} "
             f"{self.one('', 'remap')}",
@@ -472,7 +483,7 @@ class Deck:
             f"set group {g} mol {self.whole(0, 9)}", f"set group {g} type {self.whole(1, 8)}",
             f"set atom {self.whole(1, 99)} x {self.number(-9, 9)}",
             f"set group {g} image {self.whole(-1, 1)} 0 0", f"set group {g} diameter 1.0",
-            f"set group {g} velocity 0 0 0", f"velocity {g} create 1.0 7", "mass * 2.0",
+            f"set group {g} velocity 0 0 0", "mass * 2.0",
             f"neigh_modify {self.neigh()}", f"neighbor {self.number(0.3, 2)} {self.one('bin')}",
             f"comm_modify cutoff {self.number(5, 20)}", "comm_style tiled\nbalance 1.0 rcb",
             f"balance 1.0 shift {self.one('x', 'xyz', 'z')} 5 1.05", "newton off",
@@ -495,11 +506,16 @@ class Deck:
             "run 2 pre no post no", "write_dump all custom x.dump id c_c[*]",
             "write_dump all custom x.dump id fx", "info all out log",
             "reset_atoms id sort yes", "run_style verlet", "run_style respa 2 2 bond 1",
-            "timestep 1000", "timestep 1e-9", "dump_modify d every 2", "package omp 1",
+            "timestep 1000", "timestep 1e-9", "dump_modify d every 2", 
             f"create_cells single cbm cbm {self.point()} 3.0 cbm cbm 4",
             f"create_cells single hep dcm {self.point()} 4.0 dcm hep 1 2 3 1 1 mesh icosphere 1",
-            *self.lives(),
+            *self.lives(), *(self.random_acts(g) if self.wild else []),
         ]  # fmt: skip
+
+    def random_acts(self, g):
+        """What LAMMPS does otherwise on other numbers of ranks."""
+        return [f"displace_atoms {g} random 0.1 0.1 0.1 7", f"velocity {g} create 1.0 7",
+                "package omp 1", "fix langevin all langevin 1 1 1 3"]  # fmt: skip
 
     def lives(self):
         """Stop and go on from a file."""
@@ -537,7 +553,7 @@ class Deck:
         self.scene()
         self.variables()
         order = ["laws", "cell", "volume", *self.effects(), "motion"]
-        if self.maybe(0.15):  # any order of the fixes
+        if self.maybe(0.15 if self.wild else 0.03):  # any order of the fixes
             tail = order[2:]
             self.rng.shuffle(tail)
             order = order[:2] + tail

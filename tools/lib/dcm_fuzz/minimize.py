@@ -5,7 +5,8 @@ import difflib
 
 class Minimizer:
     def __init__(self, judge, signature, most=80):
-        self.judge, self.signature, self.left = judge, signature, most
+        self.judge, self.signature = judge, signature
+        self.left = most // 8 if signature.startswith("hang") else most
 
     def fails(self, case):
         if self.left <= 0:
