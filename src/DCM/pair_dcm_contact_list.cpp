@@ -153,6 +153,7 @@ void PairDCMContact::check_radii()
     if (kind != AtomVecDCM::FACE && kind != AtomVecDCM::SPHERE) continue;
     auto &two = largest[atom->type[i]];
     const double radius = atom->radius[i];
+    if (two.atom >= 0 && atom->tag[i] == atom->tag[two.atom]) continue;    // an image of it
     if (radius > two.radius[0]) {
       two.radius[1] = two.radius[0];
       two.radius[0] = radius;
@@ -167,21 +168,21 @@ void PairDCMContact::check_radii()
       if (a.atom < 0 || b.atom < 0 || !types[s].used || !types[t].used) continue;
       const double sum = a.radius[0] + b.radius[s == t];
       if (sum > types[s].promise + types[t].promise && a.radius[0] > types[s].promise)
-        fail_radius(a.atom);
+        fail_radius(a.atom, sum, types[s].promise + types[t].promise);
     }
 }
 
-void PairDCMContact::fail_radius(int i)
+void PairDCMContact::fail_radius(int i, double sum, double limit)
 {
   const TypeInfo &info = types[atom->type[i]];
   const int kind = dcm->kind[i];
   error->one(FLERR,
              "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step {}, "
-             "beyond the {:.4} that the neighbor list is laid out for, and others near as much; "
-             "look for a mesh that falls apart, or continue from before with a larger growth: "
+             "beyond the {:.4} that the neighbor list is laid out for, and with another the sum {:.4}, "
+             "beyond {:.4}; look for a mesh that falls apart, or continue from before with a larger growth: "
              "'pair_style dcm/contact ... growth {:.4}' and the same pair_coeff",
              kind == AtomVecDCM::FACE ? "face" : "sphere", atom->tag[i], atom->molecule[i],
-             atom->radius[i], update->ntimestep, info.promise,
+             atom->radius[i], update->ntimestep, info.promise, sum, limit,
              1.25 * (set.growth > 0.0           ? set.growth
                      : kind == AtomVecDCM::FACE ? FACE_GROWTH
                                                 : sphere_growth));
