@@ -82,8 +82,6 @@ ERRORS = {
     "keyword": ("fix new all dcm/death ages 3", "unknown keyword ages"),
     "file": ("fix_modify cell rest/read none.rest", "cannot open rest-state file none.rest"),
     "init": ("fix new all dcm/death region none\nrun 1", "there is no region none"),
-    "setup": ("displace_atoms all move 9 0 0 units box\ngroup two molecule 2\n"
-              "displace_atoms two move -9 0 0\nrun 1", "overlap|overlaps|deep"),
     "step": ("timestep 1e6\nrun 2", "step"),
 }  # fmt: skip
 

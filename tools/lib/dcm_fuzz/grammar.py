@@ -403,14 +403,13 @@ class Deck:
 
     # --- output ---------------------------------------------------------------------------------
 
-    CELL = ("volume volume0 area pressure x y z vx vy vz contact_area free_area neighbors kind "
-            "molecule mother generation birth phase").split()  # fmt: skip
+    CELL = ["volume", "volume0", "area", "pressure", "x", "y", "z", "vx", "vy", "vz", "contact_area", "free_area", "neighbors", "kind", "molecule", "mother", "generation", "birth", "phase"]  # fmt: skip
     COLUMNS = {
         "growth": ["progress"], "polarity": ["ax", "px", "apical_area"],
         "osmosis": ["marked_area"], "constriction": ["constricted", "constriction"],
         "signal": ["signal", "fate"], "tracer": ["secretes"],
     }  # fmt: skip
-    FACE = "area contact_area free_area stress curvature nx ny nz region".split()
+    FACE = ["area", "contact_area", "free_area", "stress", "curvature", "nx", "ny", "nz", "region"]
     SCALARS = {
         "growth": ["f_growth"], "division": ["f_division[1]", "f_division[2]"],
         "death": ["f_death"], "tracer": ["f_tracer[1]", "f_tracer[2]"],
@@ -506,7 +505,7 @@ class Deck:
             "run 2 pre no post no", "write_dump all custom x.dump id c_c[*]",
             "write_dump all custom x.dump id fx", "info all out log",
             "reset_atoms id sort yes", "run_style verlet", "run_style respa 2 2 bond 1",
-            "timestep 1000", "timestep 1e-9", "dump_modify d every 2", 
+            "timestep 1000", "timestep 1e-9", "dump_modify d every 2",
             f"create_cells single cbm cbm {self.point()} 3.0 cbm cbm 4",
             f"create_cells single hep dcm {self.point()} 4.0 dcm hep 1 2 3 1 1 mesh icosphere 1",
             *self.lives(), *(self.random_acts(g) if self.wild else []),

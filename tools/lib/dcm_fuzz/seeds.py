@@ -102,6 +102,17 @@ cbm cbm 0 10.5 0 4
 """
 
 
+def records(data):
+    """First and last byte of each record of the package: magic, style, version, size, checksums
+    (dcm_record.h). What LAMMPS itself writes around them has no checksum."""
+    found, at = [], data.find(b"DCM-re2\n")
+    while at >= 0:
+        size = int.from_bytes(data[at + 56 : at + 64], "little")
+        found.append((at, at + 80 + size))
+        at = data.find(b"DCM-re2\n", at + 1)
+    return found
+
+
 class Seeds:
     """Data, rest and restart files, made by the program."""
 
@@ -118,5 +129,5 @@ class Seeds:
         self.data, self.rest, self.restart = (
             (path / f"cells.{name}").read_bytes() for name in ("data", "rest", "restart")
         )
-        self.records = self.restart.find(b"DCM-re2"), self.restart.rfind(b"DCM-re2")
+        self.records = records(self.restart)
         self.meshes = {name: text.encode() for name, text in mesh_files().items()}
