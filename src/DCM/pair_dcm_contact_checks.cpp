@@ -294,8 +294,7 @@ bool PairDCMContact::deep_inside(const Vec3 &x, int cell, double least)
   if (faces_of_cell.empty()) {
     faces_of_cell.resize(fix_cell->cells().size());
     for (size_t f = 0; f < faces.size(); f++)
-      if (faces[f].cell >= 0 && faces[f].whole())
-        faces_of_cell[faces[f].cell].push_back((int) f);
+      if (faces[f].cell >= 0 && faces[f].whole()) faces_of_cell[faces[f].cell].push_back((int) f);
   }
   double *const *const at = atom->x;
   dcm::SurfaceDistance nearest;

@@ -55,7 +55,8 @@ def test_faults_are_seen(judge):
     nan = head + "variable n equal exp(1e4)\nthermo_style custom step v_n\nrun 0\n"
     for deck, kind in {nan: "not a number", "fix x\n": "refused", head + "run 0\n": "ran"}.items():
         assert judge(Case("test", 0, deck)).kind == kind, deck
-    nowhere, both = Path("/nowhere"), "ERROR: Fix dcm/a: b (a.cpp:1)\nERROR: Fix dcm/c: d (c.cpp:1)\n"
+    nowhere = Path("/nowhere")
+    both = "ERROR: Fix dcm/a: b (a.cpp:1)\nERROR: Fix dcm/c: d (c.cpp:1)\n"
     assert judge.read(-11, "", "", nowhere).kind == "crash"
     assert judge.read(1, "", "terminate called after throwing", nowhere).kind == "exception"
     assert judge.read(1, both, "", nowhere).kind == "many errors"

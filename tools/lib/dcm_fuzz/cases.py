@@ -107,7 +107,7 @@ class Maker:
     def restart(self, rng):
         first, stop = mutate.pick(rng, self.seeds.records)
         made = self.one_file("cells.restart", self.seeds.restart, seeds.restart_deck(), rng,
-                             lambda rng, data: mutate.binary(rng, data, first, stop - 7))  # fmt: skip
+                             lambda r, data: mutate.binary(r, data, first, stop - 7))  # fmt: skip
         made["whole"] = {}
         return made
 

@@ -16,7 +16,7 @@ BOX = (
     f"create_box 8 box bond/types 2 dihedral/types 2 {ROOM}\nmass * 1.0\n"
 )
 MADE = (
-    "create_cells single hep dcm -5.9 0.1 0 6 dcm hep 1 2 3 1 1 mesh icosphere 1 rotate 3 rest 0.95\n"
+    "create_cells single hep dcm -5.9 0.1 0 6 dcm hep 1 2 3 1 1 mesh icosphere 1 rest 0.95\n"
     "create_cells single chol dcm 5.9 0 0.2 6 dcm chol 6 7 8 2 2 mesh icosphere 1 rotate 4\n"
     "create_cells single cbm cbm 17 0 0 5 cbm cbm 4\n"
 )
@@ -79,7 +79,8 @@ def create_deck(command):
 def obj(nodes, faces, style="{}"):
     lines = ["# mesh", "o cell"] + [f"v {x:.6g} {y:.6g} {z:.6g}" for x, y, z in nodes]
     lines += ["vn 0 0 1", "vt 0 0", "s off", "usemtl none"]
-    return "\n".join(lines + ["f " + " ".join(style.format(k + 1) for k in f) for f in faces]) + "\n"
+    lines += ["f " + " ".join(style.format(k + 1) for k in face) for face in faces]
+    return "\n".join(lines) + "\n"
 
 
 def mesh_files():
