@@ -187,7 +187,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mi
     }
     const auto &face = faces[fi];
     if (!std::isfinite(r.force)) fail_pair(face.atom, j, r.delta, radius, r.force);
-    const double weight = dcm::facing(f.n.dot(r.u));
+    const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(r.tilt);
     if (HISTORY) *mixed_touch[n] = weight > 0.0;
     if (!(weight > 0.0)) continue;
     r.scale(weight);

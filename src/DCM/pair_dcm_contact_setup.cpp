@@ -48,9 +48,10 @@ static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2;
 
 static constexpr double UNLIKE = 1.5;
 
-// thickness of the layer of law foundation, um: of the order of the cell cortex [ours]
+// thickness of the layer of law foundation, um: that of a thin cell cortex, with which cells keep
+// their volumes up to 5 kPa [ours]
 
-static constexpr double LAYER = 0.25;
+static constexpr double LAYER = 0.1;
 
 // more than any deck can need: neighbor skin in radii of the largest cell, growth of radii
 
@@ -437,6 +438,16 @@ void PairDCMContact::read_types()
           m.h0 = h0_used > 0.0 ? h0_used : set.h0;
           m.gn = 0.5 * (a.gn + b.gn);
           m.k = dcm::foundation_stiffness(a.layer, a.E, a.nu, b.layer, b.E, b.nu);
+          if (set.law == FOUNDATION) {
+            const double stretch = dcm::foundation_range(m.k, m.W);
+            if (range_used > 0.0 && stretch > range_used)
+              error->all(FLERR,
+                         "{}: atom types {} and {}: W = {:.4g} stretches layers of stiffness "
+                         "{:.4g} by {:.4g} before they part, which is more than range ({:.4g}); "
+                         "make layers thinner or E_contact larger, or raise keyword range",
+                         STYLE, s, t, m.W, m.k, stretch, range_used);
+            m.h0 = std::max(m.h0, stretch);
+          }
           m.gt = 0.5 * (a.gt + b.gt);
           if (p || q || !may_be(a, AtomVecDCM::SPHERE) || !may_be(b, AtomVecDCM::SPHERE)) continue;
           const double R = dcm::effective_radius(sphere(a), sphere(b));

@@ -114,9 +114,8 @@ TYPED_TEST(ContactSlope, IsTheDerivativeAlongTheAxis)
     ASSERT_NEAR(r.slope, numeric, (closed ? 2e-5 : 1e-9) * scale) << trial << " " << r.delta;
   }
   EXPECT_GT(met, 5000);
-  if (closed) {    // softening of the ring is seen
-    EXPECT_GT(negative, met / 50);
-  }
+  // softening of the ring is seen; layers that stick have it at the outer edge only
+  if (closed) EXPECT_GT(negative, met / (TypeParam::LOCAL_GAP ? 100 : 50));
   EXPECT_LT(kinks, met / 20);
 }
 
@@ -155,8 +154,22 @@ TYPED_TEST(ContactSlope, AcrossKinks)
   EXPECT_NEAR(force + work, r.force, (exact(TypeParam()) ? 1e-3 : 2e-2) * (1.0 + r.force));
 }
 
+// the force of two spheres of radius 1 by their exact gap, for law foundation
+double force_by_gap(const ContactMaterial &m, double delta)
+{
+  const int n = 100000;
+  double sum = 0.0;
+  for (int i = 0; i < n; i++) {
+    const double height = 0.8 + 0.2 * (i + 0.5) / n, overlap = 2.0 * height - 2.0 + delta;
+    const double p = overlap > m.first_touch() ? std::max(m.k * overlap, -foundation_strength(m))
+                                               : 0.0;
+    sum += p * 2.0 * PI * height * 0.2 / n;
+  }
+  return sum;
+}
+
 // two spheres of triangles: slopes add up to that of the spheres, exactly, since all pairs share
-// the axis
+// the axis; with the exact gap, linear over each polygon, to second order in the edges of 0.15
 TYPED_TEST(ContactSlope, OfWholeSpheres)
 {
   const Mesh ball = icosphere(3);
@@ -183,16 +196,19 @@ TYPED_TEST(ContactSlope, OfWholeSpheres)
       }
       auto force = [&](double d) {
         TypeParam s;
+        if (TypeParam::LOCAL_GAP) return force_by_gap(m, d);
         return s.set(m, 0.5, d) ? s.force() : 0.0;
       };
-      const double e = exact(TypeParam()) ? 1e-7 : 0.02 * (W > 0.0 ? m.h0 : delta);
+      const double e = TypeParam::LOCAL_GAP ? 1e-4
+                       : exact(TypeParam()) ? 1e-7
+                                            : 0.02 * (W > 0.0 ? m.h0 : delta);
       const double whole = (force(delta + e) - force(delta - e)) / (2.0 * e);
       const double scale = m.E + m.sigma0();
       if (W == 0.0 && delta < 0.0) {
         EXPECT_EQ(sum, 0.0);
         continue;
       }
-      const double tolerance = exact(TypeParam()) ? 1e-6 : 1e-3;
+      const double tolerance = TypeParam::LOCAL_GAP ? 2e-3 : exact(TypeParam()) ? 1e-6 : 1e-3;
       EXPECT_NEAR(sum, whole, tolerance * scale) << W << " " << delta;
       EXPECT_NEAR(with_sphere, whole, tolerance * scale) << W << " " << delta;
     }

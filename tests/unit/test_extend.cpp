@@ -3,7 +3,7 @@
 // The contact law of examples/extend: force of two spheres in closed form, primitives against
 // numerical integration, triangulated spheres through the kernel that pair_style dcm/contact calls.
 
-#include "../../examples/extend/foundation.h"
+#include "../../examples/extend/winkler.h"
 #include "helpers.h"
 #include "law/contact.h"
 #include "law/mesh.h"
@@ -34,23 +34,23 @@ double force_of_spheres(double R, double delta, double W)
 
 }    // namespace
 
-TEST(Foundation, ForceOfTwoSpheres)
+TEST(Winkler, ForceOfTwoSpheres)
 {
   for (const double W : {0.0, 0.02})
     for (const double R : {0.5, 3.0})
       for (const double delta : {-0.03, 0.0, 1e-6, 0.01, 0.3}) {
-        FoundationState s;
+        WinklerState s;
         const bool touching = delta > (W > 0.0 ? -H0 : 0.0);
         EXPECT_EQ(s.set(material(W), R, delta), touching);
         const double expected = touching ? force_of_spheres(R, delta, W) : 0.0;
         EXPECT_NEAR(s.force(), expected, 1e-14 + 1e-13 * std::fabs(expected));
-        EXPECT_LE(s.c, FoundationState::reach(material(W), R, delta) * (1.0 + 1e-15));
+        EXPECT_LE(s.c, WinklerState::reach(material(W), R, delta) * (1.0 + 1e-15));
       }
 }
 
-TEST(Foundation, EndsWhereAdhesionDoes)
+TEST(Winkler, EndsWhereAdhesionDoes)
 {
-  FoundationState s;
+  WinklerState s;
   EXPECT_FALSE(s.set(material(0.02), 1.0, -H0));
   EXPECT_FALSE(s.set(material(0.0), 1.0, -1e-12));
   EXPECT_EQ(s.force(), 0.0);
@@ -58,9 +58,9 @@ TEST(Foundation, EndsWhereAdhesionDoes)
 
 // Q0 = int p s ds and Q1 = int p s^2 ds by the midpoint rule on either side of r = a
 
-TEST(Foundation, PrimitivesOfTheStress)
+TEST(Winkler, PrimitivesOfTheStress)
 {
-  FoundationState s;
+  WinklerState s;
   ASSERT_TRUE(s.set(material(0.02), 0.7, 0.05));
   ASSERT_GT(s.c, s.a);
   const int n = 2000;
@@ -80,7 +80,7 @@ TEST(Foundation, PrimitivesOfTheStress)
 // the loops of pair_style dcm/contact, on two icospheres turned at random: two Gauss points
 // integrate the law exactly, so that any number from two on gives the closed form
 
-TEST(Foundation, TriangulatedSpheres)
+TEST(Winkler, TriangulatedSpheres)
 {
   Random random(4711, 1, 0, RandomPurpose{});
   const Mesh mesh = icosphere(2);
@@ -101,7 +101,7 @@ TEST(Foundation, TriangulatedSpheres)
         ContactResult r;
         for (const auto &f : F)
           for (const auto &g : G)
-            if (face_face<FoundationState>(f, g, material(W), points, r)) force += r.force * r.u;
+            if (face_face<WinklerState>(f, g, material(W), points, r)) force += r.force * r.u;
         const double expected = force_of_spheres(0.5, delta, W);
         EXPECT_LT((force - expected * along).norm(), 1e-10 * E) << delta << " " << points;
       }

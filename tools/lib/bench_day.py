@@ -4,9 +4,12 @@ import argparse
 import os
 import re
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
+
+import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 OFF = [w for name in ("osmosis", "differentiation", "constriction") for w in ("-var", name, "no")]
@@ -38,16 +41,59 @@ def table(out):
     return rows
 
 
+def cells(folder):
+    """The deck's table of cells at its end, by molecule ID: dict of dicts."""
+    lines = (folder / "cells.dump").read_text().splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("ITEM: ATOMS"))
+    rows = [dict(zip(lines[at].split()[2:], map(float, line.split()))) for line in lines[at + 1:]]
+    return {int(row["mol"]): row for row in rows}
+
+
+def errors(found, exact):
+    """What of chosen steps differs from explicit ones: cells with the same ID, no daughters of a
+    division that came before another. Root mean square and largest, in percent: pressures and
+    contact areas of their mean, centers of the mean diameter."""
+    ids = [i for i in exact if i in found and abs(found[i]["volume"] / exact[i]["volume"] - 1) < 0.1]
+    get = lambda table, name: np.array([table[i][name] for i in ids])
+    result = {}
+    for name in ("pressure", "contact_area"):
+        off = np.abs(get(found, name) - get(exact, name)) / np.mean(get(exact, name))
+        result[name.replace("_", " ")] = off
+    move = np.sqrt(sum((get(found, k) - get(exact, k)) ** 2 for k in "xyz"))
+    result["center"] = move / np.mean(np.cbrt(6 * get(exact, "volume") / np.pi))
+    return len(ids), {k: (100 * np.sqrt(np.mean(v**2)), 100 * v.max()) for k, v in result.items()}
+
+
+def compare(folder, lmp, hours):
+    """Both schemes from the same state of rest."""
+    run(folder, lmp, ["-var", "hours", "0.0003"])
+    (folder / "bile_duct_day.restart").rename(folder / "rest.restart")
+    found = {}
+    for motion in ("scheme explicit", None):
+        words = ["-var", "from", "rest.restart", "-var", "hours", f"{hours:g}"]
+        out, seconds = run(folder, lmp, words + (["-var", "motion", motion] if motion else []))
+        steps = sum(int(n) for n in re.findall(r"Loop time of \S+ on \d+ procs for (\d+) steps", out))
+        print(f"first {hours:g} h of the day, {motion or 'chosen steps'}: {steps} steps, {seconds:.0f} s")
+        found[motion] = cells(folder)
+    number, off = errors(found[None], found["scheme explicit"])
+    for name, (rms, most) in off.items():
+        print(f"error of {number} of {len(found['scheme explicit'])} deformable cells, {name}: "
+              f"{rms:.2f} % (rms), {most:.2f} % (largest)")
+
+
 def main():
     parser = argparse.ArgumentParser(prog="tools/bench day", description=__doc__)
     parser.add_argument("-np", type=int, default=2, help="MPI ranks (default: 2)")
     parser.add_argument("--hours", type=float, default=24.0, help="of the day (default: 24)")
     parser.add_argument("--explicit", type=int, default=100, help="steps of the explicit scheme "
                         "that are timed at the start, for the ratio (default: 100; 0: none)")
+    parser.add_argument("--error", type=float, default=2.0, metavar="HOURS", help="of the day that "
+                        "are also run in explicit steps of 1 s, to compare (default: 2; 0: none)")
     args = parser.parse_args()
     lmp = [os.environ["DCM_LMP"]]
     if args.np > 1:
         lmp = [os.environ.get("DCM_MPIEXEC", "mpirun"), "-np", str(args.np), *lmp]
+    sys.stdout.reconfigure(line_buffering=True)
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         for file in (ROOT / "examples/bile_duct_day").iterdir():
@@ -62,6 +108,8 @@ def main():
             each = float(loops[0][0]) / int(loops[0][1])
             print(f"explicit: {1000 * each:.1f} ms a step of 1 s, "
                   f"{each * 3600 * 27 / 60:.0f} min for 27 h (rest and day)")
+        if args.error:
+            compare(folder, lmp, args.error)
         out, seconds = run(folder, lmp, ["-var", "hours", f"{args.hours:g}"])
         loops = [(float(a), int(b)) for a, b in
                  re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", out)]

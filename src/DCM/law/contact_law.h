@@ -20,15 +20,16 @@
 //   core_p(r2)               p for r <= a
 //   EXACT_CORE               true: core_edge() gives the edge integrals in closed form; false: by
 //                            Gauss points of core()
+//   LOCAL_GAP                true: the exact gap of spheres, see gap_beside_axis() in contact.h;
+//                            false: delta - r^2/2R everywhere, as S1
 //   p(r), Q0(r), Q1(r)       Q0 = int_0^r p s ds, Q1 = int_0^r p s^2 ds
 //   force()                  2 pi Q0(c), the force on the full circle
 //
 // For an implicit step, a law of exact core also gives the slope of its force at fixed polygon,
 // dF/d delta = int dp/d delta dA, which takes d Q0/d delta at fixed r in the places of Q0:
 //
-//   slope(material, R, delta)   RadialSlope: in the ring, beyond c, and what core_edge<true>() is
-//   to
-//                               be multiplied with
+//   slope(material, R, delta)   RadialSlope: in the ring, beyond c, and what core_edge<true>()
+//                               is to be multiplied with
 //
 // Laws without it are differenced, see contact.h.
 //

@@ -16,6 +16,7 @@ namespace dcm {
 
 struct DmtState : RadialLaw<DmtState> {
   static constexpr bool EXACT_CORE = true;
+  static constexpr bool LOCAL_GAP = false;
   double hertz = 0.0;    ///< 2 E/(pi R)
 
   /// The Hertz gap exceeds that of the undeformed spheres, whence the bound on c.

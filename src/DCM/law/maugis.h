@@ -26,6 +26,7 @@ namespace dcm {
 
 struct MaugisState : RadialLaw<MaugisState> {
   static constexpr bool EXACT_CORE = false;
+  static constexpr bool LOCAL_GAP = false;
   double hertz = 0.0;        ///< 2 E/(pi R)
   double k = 0.0;            ///< c^2 - a^2
   double root_k = 0.0;       ///< sqrt(k)

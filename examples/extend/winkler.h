@@ -14,17 +14,18 @@
 //
 // See law/contact_law.h for the interface and for units.
 
-#ifndef DCM_FOUNDATION_H
-#define DCM_FOUNDATION_H
+#ifndef DCM_WINKLER_H
+#define DCM_WINKLER_H
 
 #include "law/contact_law.h"
 
 namespace dcm {
 
-struct FoundationState : RadialLaw<FoundationState> {
-  static constexpr bool EXACT_CORE = false;    // a polynomial: Gauss points do it
-  double middle = 0.0;                         ///< pressure on the axis
-  double inverse = 0.0;                        ///< 1/a^2
+struct WinklerState : RadialLaw<WinklerState> {
+  static constexpr bool EXACT_CORE = false;
+  static constexpr bool LOCAL_GAP = false;    // a polynomial: Gauss points do it
+  double middle = 0.0;                        ///< pressure on the axis
+  double inverse = 0.0;                       ///< 1/a^2
 
   static double reach(const ContactMaterial &m, double R, double delta, bool = false)
   {
