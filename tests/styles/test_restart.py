@@ -186,7 +186,7 @@ def test_restart_after_growth_is_bit_for_bit(lmp, scenes, np_):
             assert np.array_equal(a[name], b[name]), (a.step, name)
 
 
-@pytest.mark.parametrize("diameter", [10.6, 11.1])
+@pytest.mark.parametrize("diameter", [11.2, 12.2])
 def test_one_that_outgrows_the_promise(lmp, scenes, diameter):
     """The list holds pairs up to the sum of their radii: one sphere above what it is laid out for
     loses no partner as long as its sums with another and with a face fit, and is an error above."""
@@ -203,13 +203,13 @@ def test_one_that_outgrows_the_promise(lmp, scenes, diameter):
             + f"set group one diameter {diameter}\nrun 50 pre no\n"
         )
 
-    result = lmp.run(grown(1.05))  # laid out for 5.25
-    assert result.returncode == 0 or diameter > 11.0, result.tail()
-    if diameter > 11.0:  # 5.55 and 5
+    result = lmp.run(grown(1.1))  # laid out for 5.5
+    assert result.returncode == 0 or diameter > 12.0, result.tail()
+    if diameter > 12.0:  # 6.1 and 5
         assert result.returncode != 0
-        assert "beyond the 5.25 that" in result.error
+        assert "beyond the 5.5 that" in result.error
         return
-    wide = lmp(grown(1.3))
+    wide = lmp(grown(1.5))
     assert result.returncode == 0
     for a, b in zip(result.dump(), wide.dump(), strict=True):
         assert sum(a.radius == diameter / 2) == (1 if a.step > 2 else 0)

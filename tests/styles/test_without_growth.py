@@ -23,7 +23,7 @@ def tissue(scenes):
     scene = scenes.hybrid(level=1, boundary="p p p", box=(27.0, 27.0, 18.0), shift=(3.0, 2.0, 0.5))
     scene.cbm(20.0, 20.0, -8.0, 4.0)
     scene.cbm(-20.0, 20.0, -8.0, 4.0)
-    head = scene.head() + scene.cortex() + "pair_style dcm/contact\n"
+    head = scene.head() + scene.cortex() + "pair_style dcm/contact law dmt\n"
     coeff = f"pair_coeff * * {scene.map}\nneighbor 0.6 multi\n"
     rest = (
         "fix cell all dcm/cell\n"
