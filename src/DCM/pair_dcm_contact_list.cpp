@@ -140,35 +140,31 @@ void PairDCMContact::check_radii()
                  name, atom->tag[i], atom->molecule[i], update->ntimestep);
   }
 
-  // the list holds pairs up to the sum of two radii: the two largest of each type count, so that
-  // one stretched face among others as they were loses nothing
+  // the list holds pairs of cells up to the sum of two radii: the largest of each type and of
+  // another cell count, so that a stretched cell among others as they were loses nothing
 
-  struct Largest {
-    double radius[2] = {0.0, 0.0};
-    int atom = -1;
+  const int nall = atom->nlocal + atom->nghost;
+  const auto counts = [&](int i) {
+    return dcm->kind[i] == AtomVecDCM::FACE || dcm->kind[i] == AtomVecDCM::SPHERE;
   };
-  std::vector<Largest> largest(atom->ntypes + 1);
-  for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
-    const int kind = dcm->kind[i];
-    if (kind != AtomVecDCM::FACE && kind != AtomVecDCM::SPHERE) continue;
-    auto &two = largest[atom->type[i]];
-    const double radius = atom->radius[i];
-    if (two.atom >= 0 && atom->tag[i] == atom->tag[two.atom]) continue;    // an image of it
-    if (radius > two.radius[0]) {
-      two.radius[1] = two.radius[0];
-      two.radius[0] = radius;
-      two.atom = i;
-    } else {
-      two.radius[1] = std::max(two.radius[1], radius);
-    }
+  std::vector<int> first(atom->ntypes + 1, -1);
+  std::vector<double> second(atom->ntypes + 1, 0.0);
+  for (int i = 0; i < nall; i++) {
+    int &largest = first[atom->type[i]];
+    if (counts(i) && (largest < 0 || atom->radius[i] > atom->radius[largest])) largest = i;
+  }
+  for (int i = 0; i < nall; i++) {
+    const int t = atom->type[i];
+    if (counts(i) && atom->molecule[i] != atom->molecule[first[t]])
+      second[t] = std::max(second[t], atom->radius[i]);
   }
   for (int s = 1; s <= atom->ntypes; s++)
     for (int t = 1; t <= atom->ntypes; t++) {
-      const Largest &a = largest[s], &b = largest[t];
-      if (a.atom < 0 || b.atom < 0 || !types[s].used || !types[t].used) continue;
-      const double sum = a.radius[0] + b.radius[s == t];
-      if (sum > types[s].promise + types[t].promise && a.radius[0] > types[s].promise)
-        fail_radius(a.atom, sum, types[s].promise + types[t].promise);
+      if (first[s] < 0 || first[t] < 0 || !types[s].used || !types[t].used) continue;
+      const double one = atom->radius[first[s]];
+      const double sum = one + (s == t ? second[t] : atom->radius[first[t]]);
+      const double limit = types[s].promise + types[t].promise;
+      if (sum > limit && one > types[s].promise) fail_radius(first[s], sum, limit);
     }
 }
 
