@@ -23,6 +23,7 @@
 #include "fix_dcm_cell.h"
 #include "force.h"
 #include "neighbor.h"
+#include "output.h"
 #include "platform.h"
 #include "update.h"
 
@@ -86,8 +87,9 @@ void PairDCMContact::compute(int eflag, int vflag)
   if (anew) sort_pairs();
   count.pairs = (bigint) face_pairs.size() + mixed_pairs.size() + sphere_pairs.size();
   if (update->setupflag) check_start();
-  checked_step = update->ntimestep;
-  checked_atoms = atom->natoms;    // also those that the run has made
+  // what a run leaves or writes to a restart file need not be looked at again when it goes on
+  if (update->ntimestep == update->laststep || update->ntimestep == output->next_restart)
+    checked = places();
   count.list_seconds = platform::walltime() - start;
 
   find_wanted();

@@ -25,6 +25,7 @@ PairStyle(dcm/contact,PairDCMContact);
 #include "pair.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -177,6 +178,7 @@ class PairDCMContact : public Pair, public DCMRole {
   double filled = 0.0, overlap = 0.0;                // measure_overlap()
   double stiffest = 0.0;                             // law foundation: largest stiffness per area
   std::vector<std::pair<int, int>> excluded_here;    // types kept apart by this style
+  bool own_molecules = false;                        // and nodes of one cell
 
   struct TypeInfo {
     bool used = false;       // has a cell type, not NULL
@@ -203,7 +205,8 @@ class PairDCMContact : public Pair, public DCMRole {
   bool want_virial = false, want_stiffness = false;
   double mean_edge, cell_radius;    // at the start of the run; largest deformable cell
   double largest_edge = 0.0;        // largest mean edge of a cell
-  bigint built, checked_step, checked_atoms;
+  bigint built;
+  uint64_t checked = 0;    // places() where check_start() has nothing to say: the end of a run
 
   // pairs of the neighbor list, sorted by kind at each rebuild
 
@@ -256,6 +259,8 @@ class PairDCMContact : public Pair, public DCMRole {
   void report_layers();
   void exclude_types();
   void allow_types(int, int);
+  void take_back();
+  void drop_collections();
   void set_cutoff();
   void setup_history();
   void choose_collections();
@@ -281,6 +286,7 @@ class PairDCMContact : public Pair, public DCMRole {
   int find_sisters(tagint, tagint) const;
   void add_partner(tagint, tagint, double);
   void check_start();
+  uint64_t places() const;
   void check_law(double);
   bool may_be(const TypeInfo &info, int kind) const
   {

@@ -19,6 +19,7 @@
 #include "dcm_allgather.h"
 #include "dcm_cell_bins.h"
 #include "dcm_compat.h"
+#include "dcm_slots.h"
 #include "dcm_text.h"
 #include "law/solid_angle.h"
 #include "law/triangle.h"
@@ -30,6 +31,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <tuple>
 
 using namespace LAMMPS_NS;
@@ -144,6 +147,26 @@ void PairDCMContact::check_law(double radius)
 }
 
 /* ----------------------------------------------------------------------
+   a number for which atoms there are, where and how large, the same on all ranks
+------------------------------------------------------------------------- */
+
+uint64_t PairDCMContact::places() const
+{
+  uint64_t mine = 0, all;
+  for (int i = 0; i < atom->nlocal; i++) {
+    uint64_t hash = (uint64_t) atom->tag[i];
+    for (const double value : {atom->x[i][0], atom->x[i][1], atom->x[i][2], atom->radius[i]}) {
+      uint64_t bits;
+      std::memcpy(&bits, &value, sizeof(bits));
+      hash = dcm_mix(hash ^ bits);
+    }
+    mine += hash;
+  }
+  MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, world);
+  return all;
+}
+
+/* ----------------------------------------------------------------------
    cells that are given inside each other: faces that start on the wrong side
    see no contact at all, so no force would ever tell
    first the spheres of equal volume, then, where these overlap by half a radius, how long the line
@@ -153,9 +176,8 @@ void PairDCMContact::check_law(double radius)
 
 void PairDCMContact::check_start()
 {
-  // not again when a run just goes on
-  if (checked_step == update->ntimestep && checked_atoms == atom->natoms) return;
-  checked_atoms = atom->natoms;
+  // not again when a run just goes on: no atom was made, deleted or moved since the last one
+  if (checked == places()) return;
 
   std::vector<Body> mine, bodies;
   for (int i = 0; i < atom->nlocal; i++)

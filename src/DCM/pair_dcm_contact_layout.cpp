@@ -26,7 +26,6 @@
 #include "modify.h"
 #include "neigh_request.h"
 #include "neighbor.h"
-#include "update.h"
 #include "utils.h"
 
 #include <algorithm>
@@ -37,7 +36,7 @@ using dcm::vec;
 using dcm::Vec3;
 
 static const std::string STYLE = "Pair style dcm/contact";
-static constexpr int RECORD = 2;    // version of the restart record
+static constexpr int RECORD = 3;    // version of the restart record
 
 // the mesh of faces that no run has seen yet may be twice as coarse as was guessed
 
@@ -221,7 +220,7 @@ void PairDCMContact::write_restart(FILE *fp)
   for (double *value : kept()) record.put(*value);
   laid_out.resize(atom->ntypes + 1, 0.0);
   record.put(laid_out);
-  record.put((int) (checked_step == update->ntimestep && checked_atoms == atom->natoms));
+  record.put(checked);
   record.write_plain(fp);
 }
 
@@ -239,12 +238,7 @@ void PairDCMContact::read_restart(FILE *fp)
                utils::join_words(laws, " "));
   for (double *value : kept()) record.get(*value);
   record.get(laid_out);
-  int checked = 0;    // the state of a run, which check_start() need not see again
   record.get(checked);
-  if (checked) {
-    checked_step = update->ntimestep;
-    checked_atoms = atom->natoms;
-  }
 }
 
 std::vector<double *> PairDCMContact::kept()
@@ -304,7 +298,9 @@ void PairDCMContact::exclude_types()
   bool molecules = false;
   for (int n = 0; n < neighbor->nex_mol; n++)
     if (neighbor->ex_mol_group[n] == 0 && neighbor->ex_mol_intra[n]) molecules = true;
-  if (!molecules && expect_faces) neighbor->modify_params("exclude molecule/intra all");
+  if (molecules || !expect_faces) return;
+  neighbor->modify_params("exclude molecule/intra all");
+  own_molecules = true;
 }
 
 /* ----------------------------------------------------------------------
@@ -360,6 +356,35 @@ void PairDCMContact::setup_history()
 }
 
 /* ----------------------------------------------------------------------
+   what this style has set for itself is not the deck's: the next pair style finds it as it was
+------------------------------------------------------------------------- */
+
+void PairDCMContact::take_back()
+{
+  if (comm->cutghostuser == own_cutoff) comm->cutghostuser = 0.0;
+  if (!neighbor) return;
+  drop_collections();
+  for (const auto &[s, t] : excluded_here) allow_types(s, t);
+  for (int n = 0; own_molecules && n < neighbor->nex_mol; n++) {
+    if (neighbor->ex_mol_group[n] != 0 || !neighbor->ex_mol_intra[n]) continue;
+    for (int m = n + 1; m < neighbor->nex_mol; m++) {
+      neighbor->ex_mol_group[m - 1] = neighbor->ex_mol_group[m];
+      neighbor->ex_mol_intra[m - 1] = neighbor->ex_mol_intra[m];
+    }
+    neighbor->nex_mol--;
+    own_molecules = false;
+  }
+}
+
+void PairDCMContact::drop_collections()
+{
+  if (!own_collections) return;
+  neighbor->custom_collection_flag = neighbor->binsizeflag = 0;
+  neighbor->ncollections = atom->ntypes;
+  own_collections = false;
+}
+
+/* ----------------------------------------------------------------------
    neighbor style multi gives every atom type bins of its own, most of them empty. Types of about
    the same reach share theirs here, and those without contact need no list: cutoff 0 looks into
    the own bin only, whose size is free for the smallest collection. A deck's own collections stay.
@@ -367,11 +392,7 @@ void PairDCMContact::setup_history()
 
 void PairDCMContact::choose_collections()
 {
-  if (own_collections) {
-    neighbor->custom_collection_flag = neighbor->binsizeflag = 0;
-    neighbor->ncollections = atom->ntypes;
-    own_collections = false;
-  }
+  drop_collections();
   if (neighbor->style != Neighbor::MULTI || neighbor->custom_collection_flag ||
       force->pair != this || comm->mode != Comm::SINGLE || neighbor->binsizeflag)
     return;

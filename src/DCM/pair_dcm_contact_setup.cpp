@@ -68,7 +68,7 @@ PairDCMContact::PairDCMContact(LAMMPS *lmp) :
     fix_cell(nullptr), fix_history(nullptr), nclass(0), have_spheres(false), have_faces(false),
     expect_new(false), expect_spheres(false), expect_faces(false), any_apparent(false),
     use_history(false), want_stress(false), want_partners(false), want_blocks(false),
-    mean_edge(0.0), cell_radius(0.0), built(-1), checked_step(-1), checked_atoms(-1), commmode(SUMS)
+    mean_edge(0.0), cell_radius(0.0), built(-1), commmode(SUMS)
 {
   AtomVecDCM::require(lmp, STYLE);
   single_enable = 0;
@@ -90,6 +90,7 @@ PairDCMContact::PairDCMContact(LAMMPS *lmp) :
 PairDCMContact::~PairDCMContact()
 {
   if (copymode) return;
+  take_back();
   modify->delete_fix(fix_history ? "NEIGH_HISTORY_DCM" : "NEIGH_HISTORY_DCM_DUMMY");
   delete[] pvector;
   if (allocated) {

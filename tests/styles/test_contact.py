@@ -1,6 +1,7 @@
 """Contact laws at deck level: Hertz and JKR, pair_style granular, balance of forces and torques."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -213,3 +214,24 @@ def test_hybrid_scene_has_no_net_force(lmp, scenes):
         assert np.abs(f.sum(axis=0)).max() < 1e-12 * scale
         spheres = np.linalg.norm(f[frame["type"] == 4], axis=1)
         assert (spheres > 1e-3).all()
+
+
+@pytest.mark.parametrize("np_", [1, 3])
+@pytest.mark.parametrize("then", ["contact", "zero"])
+def test_what_it_sets_in_lammps_goes_with_it(lmp, scenes, then, np_):
+    """Ghost cutoff, exclusions and collections: the next pair style finds those of the deck."""
+    scene = scenes.doublet(boundary="f f f")
+    first = scene.contact("law foundation h0 0.25 range 0.6")
+    nexts, seen = {
+        "contact": (scene.contact("law foundation h0 0.25 range 4.0"), r"cutoff set to ([\d.]+)"),
+        "zero": (
+            "pair_style zero 4.0\npair_coeff * *\ncomm_modify cutoff 15\n",
+            r"Total # of neighbors = (\d+)",
+        ),
+    }[then]
+    found = []
+    for start in (first + "run 0\npair_style none\n", "neighbor 0.6 multi\n"):
+        deck = scene.head() + scene.cortex() + "fix cell all dcm/cell\n" + scene.volume()
+        result = lmp(deck + start + nexts + "run 0\n", np=np_)
+        found.append(float(re.findall(seen, result.out)[-1]))
+    assert found[0] == found[1] > 0.0

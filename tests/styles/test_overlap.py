@@ -119,6 +119,21 @@ def test_wholly_inside_at_the_start(lmp, scenes, place, inner, np_):
           np=np_)  # fmt: skip
 
 
+@pytest.mark.parametrize("np_", [1, 3])
+@pytest.mark.parametrize("between", [
+    "displace_atoms small move -9.0 0.3 0.2 units box",
+    "set type 4 diameter 13.2",
+])  # fmt: skip
+def test_moved_into_each_other_between_runs(lmp, scenes, between, np_):
+    """At the step at which the run before has ended, with the same atoms."""
+    scene = scenes.Scene(25.0)
+    scene.dcm(0.0, 0.0, 0.0, 6.0)
+    scene.cbm(9.3, 0.0, 0.0, 3.0)
+    deck = whole(scene) + f"group small molecule 2\nrun 0\nrun 0\n{between}\n"
+    error = lmp.run(deck + "run 5\n", np=np_).error
+    assert re.search("cells 1 and 2 overlap.*move them apart", error)
+
+
 def test_inside_the_end_of_a_long_cell_at_the_start(lmp, scenes):
     """Beyond the ball of the long cell's volume."""
     nodes, faces = scenes.icosphere(2)
