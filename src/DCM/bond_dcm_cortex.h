@@ -10,7 +10,7 @@
 
 #ifdef BOND_CLASS
 // clang-format off
-BondStyle(dcm/cortex,BondDCMCortex);
+BondStyle(dcm/cortex,DCMTimedForce<BondDCMCortex>);
 // clang-format on
 #else
 
@@ -21,6 +21,7 @@ BondStyle(dcm/cortex,BondDCMCortex);
 #include "dcm_coefs.h"
 #include "dcm_role.h"
 #include "dcm_slots.h"
+#include "dcm_timed.h"
 
 #include <string>
 #include <vector>

@@ -48,6 +48,10 @@ class DCMRole {
 
   virtual unsigned traits() const { return 0U; }
 
+  // what the style did in this run, in a few words for the table at its end (DCMWatch); collective
+
+  virtual std::string work() { return {}; }
+
   // ---- cell events, on all processes; rows are those of the table of cells
 
   virtual void cell_divided(const DCMCellTable::Division &) {}

@@ -10,7 +10,7 @@
 
 #ifdef DIHEDRAL_CLASS
 // clang-format off
-DihedralStyle(dcm/bend,DihedralDCMBend);
+DihedralStyle(dcm/bend,DCMTimedForce<DihedralDCMBend>);
 // clang-format on
 #else
 
@@ -20,6 +20,7 @@ DihedralStyle(dcm/bend,DihedralDCMBend);
 #include "dcm_coefs.h"
 #include "dcm_role.h"
 #include "dcm_slots.h"
+#include "dcm_timed.h"
 #include "dihedral.h"
 
 #include <string>

@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/cell,FixDCMCell);
+FixStyle(dcm/cell,DCMTimedFix<FixDCMCell>);
 // clang-format on
 #else
 
@@ -19,6 +19,7 @@ FixStyle(dcm/cell,FixDCMCell);
 
 #include "dcm_cell_table.h"
 #include "dcm_request.h"
+#include "dcm_timed.h"
 #include "fix.h"
 #include "law/cell_sharing.h"
 

@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/confine,FixDCMConfine);
+FixStyle(dcm/confine,DCMTimedFix<FixDCMConfine>);
 // clang-format on
 #else
 
@@ -18,6 +18,7 @@ FixStyle(dcm/confine,FixDCMConfine);
 #define LMP_FIX_DCM_CONFINE_H
 
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 
 #include <string>

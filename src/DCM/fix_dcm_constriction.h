@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/constriction,FixDCMConstriction);
+FixStyle(dcm/constriction,DCMTimedFix<FixDCMConstriction>);
 // clang-format on
 #else
 
@@ -20,6 +20,7 @@ FixStyle(dcm/constriction,FixDCMConstriction);
 #include "dcm_cell_table.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 #include "law/constriction.h"
 

@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/convert,FixDCMConvert);
+FixStyle(dcm/convert,DCMTimedFix<FixDCMConvert>);
 // clang-format on
 #else
 
@@ -21,6 +21,7 @@ FixStyle(dcm/convert,FixDCMConvert);
 #include "dcm_cell_surgery.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 
 #include <cstdint>

@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/death,FixDCMDeath);
+FixStyle(dcm/death,DCMTimedFix<FixDCMDeath>);
 // clang-format on
 #else
 
@@ -21,6 +21,7 @@ FixStyle(dcm/death,FixDCMDeath);
 #include "dcm_request.h"
 #include "dcm_rest_change.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 
 #include <cstdint>

@@ -371,6 +371,13 @@ double FixDCMDivision::compute_vector(int i)
 
 /* ---------------------------------------------------------------------- */
 
+std::string FixDCMDivision::work()
+{
+  return fmt::format("{} deformable and {} center-based cells divided so far", ndcm, ncbm);
+}
+
+/* ---------------------------------------------------------------------- */
+
 double FixDCMDivision::memory_usage()
 {
   double bytes = (double) sisters.capacity() * sizeof(Pair);

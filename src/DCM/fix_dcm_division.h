@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/division,FixDCMDivision);
+FixStyle(dcm/division,DCMTimedFix<FixDCMDivision>);
 // clang-format on
 #else
 
@@ -23,6 +23,7 @@ FixStyle(dcm/division,FixDCMDivision);
 #include "dcm_log.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 
 #include <cstdint>
@@ -52,6 +53,7 @@ class FixDCMDivision : public Fix, public DCMRole {
   double memory_usage() override;
 
   unsigned traits() const override { return MAKES_CELLS; }
+  std::string work() override;
 
  private:
   enum Plane { RANDOM, LONG, GIVEN, VARIABLE, POLARITY };

@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/growth,FixDCMGrowth);
+FixStyle(dcm/growth,DCMTimedFix<FixDCMGrowth>);
 // clang-format on
 #else
 
@@ -20,6 +20,7 @@ FixStyle(dcm/growth,FixDCMGrowth);
 #include "dcm_request.h"
 #include "dcm_rest_change.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 #include "law/growth.h"
 

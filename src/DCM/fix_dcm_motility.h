@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/motility,FixDCMMotility);
+FixStyle(dcm/motility,DCMTimedFix<FixDCMMotility>);
 // clang-format on
 #else
 
@@ -19,6 +19,7 @@ FixStyle(dcm/motility,FixDCMMotility);
 
 #include "dcm_parameters.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 
 #include <cstdint>

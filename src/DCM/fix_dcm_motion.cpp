@@ -510,6 +510,14 @@ double FixDCMMotion::compute_vector(int n)
   return value;
 }
 
+std::string FixDCMMotion::work()
+{
+  auto text = fmt::format("{:.0f} solves of {:.1f} iterations", solves,
+                          solves > 0.0 ? iterations / solves : 0.0);
+  if (rejected > 0.0) text += fmt::format(", {:.0f} of them again, shorter", rejected);
+  return text;
+}
+
 double FixDCMMotion::memory_usage()
 {
   return system.memory_usage() + stiffness.memory_usage() + solver.memory_usage() +

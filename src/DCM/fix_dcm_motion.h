@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/motion,FixDCMMotion);
+FixStyle(dcm/motion,DCMTimedFix<FixDCMMotion>);
 // clang-format on
 #else
 
@@ -23,6 +23,7 @@ FixStyle(dcm/motion,FixDCMMotion);
 #include "law/step_system.h"
 #include "dcm_parameters.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "dcm_unknowns.h"
 #include "fix.h"
 
@@ -60,6 +61,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   {
     return MOVES | (implicit ? IMPLICIT : 0U) | (automatic ? CHOOSES_STEP : 0U);
   }
+  std::string work() override;
 
  private:
   struct DCMAtoms *dcm;

@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/osmosis,FixDCMOsmosis);
+FixStyle(dcm/osmosis,DCMTimedFix<FixDCMOsmosis>);
 // clang-format on
 #else
 
@@ -20,6 +20,7 @@ FixStyle(dcm/osmosis,FixDCMOsmosis);
 #include "dcm_cell_table.h"
 #include "dcm_face_graph.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 #include "law/lumen.h"
 

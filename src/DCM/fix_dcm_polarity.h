@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/polarity,FixDCMPolarity);
+FixStyle(dcm/polarity,DCMTimedFix<FixDCMPolarity>);
 // clang-format on
 #else
 
@@ -19,6 +19,7 @@ FixStyle(dcm/polarity,FixDCMPolarity);
 
 #include "dcm_cell_table.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 #include "law/polarity.h"
 

@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/signal,FixDCMSignal);
+FixStyle(dcm/signal,DCMTimedFix<FixDCMSignal>);
 // clang-format on
 #else
 
@@ -21,6 +21,7 @@ FixStyle(dcm/signal,FixDCMSignal);
 #include "dcm_request.h"
 #include "dcm_retype.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 
 #include <string>

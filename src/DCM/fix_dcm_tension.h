@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/tension,FixDCMTension);
+FixStyle(dcm/tension,DCMTimedFix<FixDCMTension>);
 // clang-format on
 #else
 
@@ -20,6 +20,7 @@ FixStyle(dcm/tension,FixDCMTension);
 #include "atom_vec_dcm.h"
 #include "dcm_parameters.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix_dcm_cell.h"
 
 #include <array>

@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/tracer,FixDCMTracer);
+FixStyle(dcm/tracer,DCMTimedFix<FixDCMTracer>);
 // clang-format on
 #else
 
@@ -19,6 +19,7 @@ FixStyle(dcm/tracer,FixDCMTracer);
 
 #include "dcm_cell_surgery.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "dcm_tracer_faces.h"
 #include "fix.h"
 #include "law/tracer.h"

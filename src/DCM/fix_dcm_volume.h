@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/volume,FixDCMVolume);
+FixStyle(dcm/volume,DCMTimedFix<FixDCMVolume>);
 // clang-format on
 #else
 
@@ -19,6 +19,7 @@ FixStyle(dcm/volume,FixDCMVolume);
 
 #include "dcm_parameters.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix_dcm_cell.h"
 
 #include <vector>

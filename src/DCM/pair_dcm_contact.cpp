@@ -77,6 +77,15 @@ std::vector<std::string> PairDCMContact::law_names()
 
 /* ---------------------------------------------------------------------- */
 
+std::string PairDCMContact::work()
+{
+  bigint contacts;
+  MPI_Allreduce(&count.contacts, &contacts, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  return fmt::format("{} contacts at the end, {} neighbor lists made", contacts, neighbor->ncalls);
+}
+
+/* ---------------------------------------------------------------------- */
+
 void PairDCMContact::compute(int eflag, int vflag)
 {
   const double start = platform::walltime();

@@ -10,7 +10,7 @@
 
 #ifdef PAIR_CLASS
 // clang-format off
-PairStyle(dcm/contact,PairDCMContact);
+PairStyle(dcm/contact,DCMTimedForce<PairDCMContact>);
 // clang-format on
 #else
 
@@ -22,6 +22,7 @@ PairStyle(dcm/contact,PairDCMContact);
 #include "dcm_parameters.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "pair.h"
 
 #include <array>
@@ -92,6 +93,7 @@ class PairDCMContact : public Pair, public DCMRole {
   // contact area of faces and spheres, per atom; owned atoms: summed over ranks
   const double *contact_area() const { return area.data(); }
   const double *covered_area() const override { return area.data(); }
+  std::string work() override;
 
   // ask in init(), every run, and keep the handle: normal contact force per face or sphere
   // (compression positive), virial of spheres, friction blocks, stiffness, contact area per pair of

@@ -87,7 +87,7 @@ class Case:
     ranks: int = 1
     scheme: str = "explicit"
     full: bool = False
-    timeout: float = 120.0
+    timeout: float = 600.0    # s; a minute on an idle machine
     measured: list = field(default_factory=list)
     outcomes: list = field(default_factory=list)
     picture: object = None  # path of a dump

@@ -4,6 +4,8 @@ from functools import cached_property
 
 import numpy as np
 
+from support.closed_surface import ClosedSurface
+
 NODE, FACE, SPHERE = 3, 4, 1  # column kind
 
 
@@ -78,7 +80,7 @@ def read_snapshots(path):
     return frames
 
 
-class Surface:
+class Surface(ClosedSurface):
     """The closed surface of one deformable cell in a frame."""
 
     def __init__(self, frame, molecule):
@@ -91,65 +93,9 @@ class Surface:
         vertices = frame.vectors("v1", "v2", "v3")[faces].astype(int)
         self.faces = np.array([[index[v] for v in face] for face in vertices])
 
-    @cached_property
-    def edges(self):
-        half = np.sort(np.vstack([self.faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
-        return np.unique(half, axis=0)
-
-    @cached_property
-    def corners(self):
-        return tuple(self.x[self.faces[:, k]] for k in range(3))
-
-    @cached_property
-    def area_vectors(self):
-        a, b, c = self.corners
-        return 0.5 * np.cross(b - a, c - a)
-
-    @cached_property
-    def areas(self):
-        return np.linalg.norm(self.area_vectors, axis=1)
-
-    @cached_property
-    def volume(self):
-        a, b, c = (p - self.x[0] for p in self.corners)
-        return np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
-
-    @cached_property
-    def centroid(self):
-        """Of the enclosed volume."""
-        a, b, c = (p - self.x[0] for p in self.corners)
-        w = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
-        return self.x[0] + (w[:, None] * (a + b + c) / 4.0).sum(axis=0) / w.sum()
-
-    @property
-    def radius(self):
-        return np.cbrt(0.75 * self.volume / np.pi)
-
-    @cached_property
-    def mean_edge(self):
-        d = self.x[self.edges[:, 1]] - self.x[self.edges[:, 0]]
-        return np.linalg.norm(d, axis=1).mean()
-
-    @property
-    def quality(self):
-        """Of the worst face; 1: equilateral, 0: no area."""
-        a, b, c = self.corners
-        sides = sum(((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a)))
-        return (4.0 * np.sqrt(3.0) * self.areas / sides).min()
-
     @property
     def extent(self):
         return np.ptp(self.x, axis=0)
-
-    @property
-    def closed(self):
-        """Every edge once in each direction, the topology of a sphere, every node in use."""
-        half = {(f[k], f[(k + 1) % 3]) for f in self.faces for k in range(3)}
-        return (
-            len(half) == 3 * len(self.faces)
-            and all((b, a) in half for a, b in half)
-            and len(self.x) - len(half) // 2 + len(self.faces) == 2
-        )
 
     def near(self, points, lengths=None):
         """A group of points moved by whole periods, so that its mean comes closest."""

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from support.closed_surface import ClosedSurface
+
 PERIOD = 100  # s, cycle time and step of the first division
 COLUMNS = "id mol type c_p[1] c_p[2] c_p[3] c_p[4] c_c[1] c_c[2] c_c[3] xu yu zu vx vy vz fx fy fz"
 CENTER, NODE, FACE = 2, 3, 4  # c_p[1]
@@ -70,7 +72,7 @@ def read_log(path):
 # --- cells of a frame -----------------------------------------------------------------------------
 
 
-class Cell:
+class Cell(ClosedSurface):
     """Nodes and faces of one deformable cell in a frame; at: dt to move the nodes on by."""
 
     def __init__(self, frame, molecule, at=0.0):
@@ -85,40 +87,9 @@ class Cell:
         center = frame["c_p[1]"] == CENTER
         self.volume0, self.contact = (frame[c][mine & center][0] for c in ("c_c[2]", "c_c[3]"))
 
-    @property
-    def corners(self):
-        return tuple(self.x[self.faces[:, k]] for k in range(3))
-
-    @property
-    def volume(self):
-        a, b, c = (p - self.x[0] for p in self.corners)
-        return np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
-
-    @property
-    def centroid(self):
-        """Of the enclosed volume."""
-        a, b, c = (p - self.x[0] for p in self.corners)
-        w = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
-        return self.x[0] + (w[:, None] * (a + b + c) / 4.0).sum(axis=0) / w.sum()
-
-    @property
-    def radius(self):
-        return np.cbrt(0.75 * self.volume / np.pi)
-
-    @property
-    def quality(self):
-        """Of the worst face; 1: equilateral."""
-        a, b, c = self.corners
-        sides = sum(((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a)))
-        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        return (2.0 * np.sqrt(3.0) * area / sides).min()
-
     def check(self):
         """Closed, oriented, of the topology of a sphere, every node in use."""
-        half = [(f[k], f[(k + 1) % 3]) for f in self.faces for k in range(3)]
-        assert len(set(half)) == len(half)
-        assert {(b, a) for a, b in half} == set(half)
-        assert len(self.x) - len(half) // 2 + len(self.faces) == 2
+        assert self.closed
         assert set(self.faces.ravel()) == set(range(len(self.x)))
         assert self.volume > 0.0
 

@@ -6,7 +6,10 @@ DCM_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 DCM_CACHE=${XDG_CACHE_HOME:-$HOME/.cache}/lammps-dcm
 # a preset of CMakePresets.json; without one, the build that tools/run and tools/test share
 DCM_PRESET=${DCM_PRESET:-}
-DCM_BUILD=${DCM_BUILD_DIR:-$DCM_ROOT/build${DCM_PRESET:+-$DCM_PRESET}}
+# integers of LAMMPS, SMALLBIG or BIGBIG; the latter has builds of its own
+LAMMPS_SIZES=${LAMMPS_SIZES:-SMALLBIG}
+SIZES_SUFFIX=$([ "$LAMMPS_SIZES" = SMALLBIG ] || echo "-${LAMMPS_SIZES,,}")
+DCM_BUILD=${DCM_BUILD_DIR:-$DCM_ROOT/build${DCM_PRESET:+-$DCM_PRESET}$SIZES_SUFFIX}
 DCM_JOBS=${DCM_JOBS:-$(nproc)}
 
 LAMMPS_PACKAGE=lammps
@@ -16,6 +19,7 @@ LAMMPS_ARCHIVE_SHA256=3671165bd52fad36734e0a9136c5bc5ecb225e03988f8c89aa13366a8b
 # one letter per change of the build options below, so that an old cache is not reused
 LAMMPS_BUILD_TAG=20250204-a
 LAMMPS_HOME=$DCM_CACHE/lammps-$LAMMPS_BUILD_TAG
+LAMMPS_BUILD=$LAMMPS_HOME/build$SIZES_SUFFIX
 
 say() { printf '[dcm %s] %s\n' "$(date +%H:%M:%S)" "$*"; }
 die() { printf '[dcm] ERROR: %s\n' "$*" >&2; exit 1; }
@@ -103,24 +107,25 @@ unpack_lammps() {
 }
 
 build_lammps() {
-  say "building LAMMPS (once; 3 to 6 minutes on 2 cores); log: $LAMMPS_HOME/build.log"
+  local log=$LAMMPS_BUILD.log
+  say "building LAMMPS (once; 3 to 6 minutes on 2 cores); log: $log"
   {
-    cmake -S "$LAMMPS_HOME/source/cmake" -B "$LAMMPS_HOME/build" \
+    cmake -S "$LAMMPS_HOME/source/cmake" -B "$LAMMPS_BUILD" -D LAMMPS_SIZES="${LAMMPS_SIZES,,}" \
       -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_FLAGS_RELEASE="-O2 -DNDEBUG" \
       -D BUILD_SHARED_LIBS=yes -D BUILD_MPI=yes -D BUILD_OMP=no -D BUILD_TOOLS=no \
       -D PKG_PLUGIN=yes -D PKG_MOLECULE=yes -D PKG_GRANULAR=yes \
       -D WITH_PNG=yes -D WITH_JPEG=no -D WITH_GZIP=no -D WITH_FFMPEG=no -D WITH_CURL=no \
       -D LAMMPS_EXCEPTIONS=yes &&
-      cmake --build "$LAMMPS_HOME/build" --parallel "$DCM_JOBS"
-  } >"$LAMMPS_HOME/build.log" 2>&1 &
+      cmake --build "$LAMMPS_BUILD" --parallel "$DCM_JOBS"
+  } >"$log" 2>&1 &
   local pid=$! last="" now
   while kill -0 $pid 2>/dev/null; do
     sleep 2
-    now=$(grep -oE '^\[ *[0-9]+%\]' "$LAMMPS_HOME/build.log" 2>/dev/null | tail -n 1 |
+    now=$(grep -oE '^\[ *[0-9]+%\]' "$log" 2>/dev/null | tail -n 1 |
       tr -dc 0-9 || true)
     if [ -n "$now" ] && [ "${now%?}" != "${last%?}" ]; then say "  LAMMPS $now %"; last=$now; fi
   done
-  wait $pid || { tail -n 20 "$LAMMPS_HOME/build.log" >&2; die "LAMMPS did not build"; }
+  wait $pid || { tail -n 20 "$log" >&2; die "LAMMPS did not build"; }
 }
 
 ensure_lammps() {
@@ -137,17 +142,17 @@ ensure_lammps() {
     say "another process is setting up LAMMPS; waiting for it"
     flock 9
   fi
-  if [ ! -f "$LAMMPS_HOME/done" ]; then
+  if [ ! -f "$LAMMPS_HOME/done$SIZES_SUFFIX" ]; then
     local archive=$LAMMPS_HOME/lammps.orig.tar.xz
     [ -d "$LAMMPS_HOME/source" ] || download_lammps "$archive"
     unpack_lammps "$archive"
     build_lammps
     rm -rf "$LAMMPS_HOME/apt" "$archive"
-    touch "$LAMMPS_HOME/done"
+    touch "$LAMMPS_HOME/done$SIZES_SUFFIX"
   fi
   exec 9>&-
   LAMMPS_SOURCE_DIR=$LAMMPS_HOME/source/src
-  DCM_LMP=$LAMMPS_HOME/build/lmp
+  DCM_LMP=$LAMMPS_BUILD/lmp
 }
 
 # --- building -----------------------------------------------------------------------------------
@@ -182,7 +187,7 @@ ensure_plugin() {
   exec 8>"$DCM_BUILD/lock"
   flock 8
   configure_build -D DCM_PLUGIN=ON -D LAMMPS_SOURCE_DIR="$LAMMPS_SOURCE_DIR" \
-    -D LAMMPS_SIZES="${LAMMPS_SIZES:-SMALLBIG}" -D DCM_TESTS="${1:-OFF}" \
+    -D LAMMPS_SIZES="$LAMMPS_SIZES" -D DCM_TESTS="${1:-OFF}" \
     -D DCM_EXTRA_DIRS="${DCM_EXTRA_DIRS:-}"
   build_targets "the plugin" all
   exec 8>&-

@@ -1,0 +1,117 @@
+/* -*- c++ -*- ----------------------------------------------------------------------
+   LAMMPS - Large-scale Atomic/Molecular Massively Parallel Simulator
+   https://www.lammps.org/, Sandia National Laboratories
+   LAMMPS development team: developers@lammps.org
+
+   This software is distributed under the GNU General Public License.
+
+   See the README file in the top-level LAMMPS directory.
+------------------------------------------------------------------------- */
+
+#ifndef LMP_DCM_TIMED_H
+#define LMP_DCM_TIMED_H
+
+#include "platform.h"
+
+namespace LAMMPS_NS {
+
+// What each style of the deck took: the styles of this package are known to LAMMPS as
+// DCMTimedFix<Style> and DCMTimedForce<Style>, which are the style with a watch at the calls that
+// LAMMPS makes in each step. The styles themselves know nothing of it. After a run the last fix
+// prints the table.
+
+class DCMWatch {
+ public:
+  double seconds = 0.0;    // of this process, in the run
+
+  // counts from where it is made to the end of the block
+
+  class Span {
+   public:
+    explicit Span(DCMWatch &w) : watch(w), start(platform::walltime()) {}
+    ~Span() { watch.seconds += platform::walltime() - start; }
+    Span(const Span &) = delete;
+    Span &operator=(const Span &) = delete;
+
+   private:
+    DCMWatch &watch;
+    double start;
+  };
+
+  // all back to zero; a table of all in the log, with what each style did. Collective; only the
+  // last style of the deck is listened to, when all others are done
+
+  static void begin(class LAMMPS *, const DCMWatch *);
+  static void tell(class LAMMPS *, const DCMWatch *);
+
+ protected:
+  virtual ~DCMWatch() noexcept(false) {}    // as that of LAMMPS' classes
+};
+
+template <class Style> class DCMTimedFix : public Style, public DCMWatch {
+ public:
+  using Style::Style;
+
+  void initial_integrate(int vflag) override
+  {
+    const Span span(*this);
+    Style::initial_integrate(vflag);
+  }
+  void pre_exchange() override
+  {
+    const Span span(*this);
+    Style::pre_exchange();
+  }
+  void pre_neighbor() override
+  {
+    const Span span(*this);
+    Style::pre_neighbor();
+  }
+  void post_neighbor() override
+  {
+    const Span span(*this);
+    Style::post_neighbor();
+  }
+  void pre_force(int vflag) override
+  {
+    const Span span(*this);
+    Style::pre_force(vflag);
+  }
+  void pre_reverse(int eflag, int vflag) override
+  {
+    const Span span(*this);
+    Style::pre_reverse(eflag, vflag);
+  }
+  void final_integrate() override
+  {
+    const Span span(*this);
+    Style::final_integrate();
+  }
+  void setup(int vflag) override
+  {
+    Style::setup(vflag);
+    begin(this->lmp, this);
+  }
+  void post_run() override
+  {
+    Style::post_run();
+    tell(this->lmp, this);
+  }
+};
+
+// bond, dihedral and pair styles
+
+template <class Style> class DCMTimedForce : public Style, public DCMWatch {
+ public:
+  using Style::Style;
+
+  void compute(int eflag, int vflag) override
+  {
+    const Span span(*this);
+    Style::compute(eflag, vflag);
+  }
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
