@@ -32,6 +32,12 @@ def loops(out):
     return [(float(seconds), int(steps)) for seconds, steps in found]
 
 
+def styles(out):
+    """The last table of what each style took, as it stands in the log."""
+    text = out.rpartition("Time of the DCM styles")
+    return (text[1] + text[2].partition("Loop time")[0]).rstrip()
+
+
 def table(out):
     """Thermo lines of the day: list of dicts."""
     rows, names = [], None
@@ -108,13 +114,16 @@ def main():
                         "that are timed at the start, for the ratio (default: 100; 0: none)")
     parser.add_argument("--error", type=float, default=2.0, metavar="HOURS", help="of the day that "
                         "are also run in explicit steps of 1 s, to compare (default: 2; 0: none)")
+    parser.add_argument("--folder", help="where to run, and leave what the runs write, also after "
+                        "an error (default: a temporary folder)")
     args = parser.parse_args()
     lmp = [os.environ["DCM_LMP"]]
     if args.np > 1:
         lmp = [os.environ.get("DCM_MPIEXEC", "mpirun"), "-np", str(args.np), *lmp]
     sys.stdout.reconfigure(line_buffering=True)
     with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
+        folder = Path(args.folder or place).resolve()
+        folder.mkdir(parents=True, exist_ok=True)
         for file in (ROOT / "examples/bile_duct_day").iterdir():
             (folder / file.name).write_bytes(file.read_bytes())
         print(f"load {os.getloadavg()[0]:.1f}, {os.cpu_count()} cores, {args.np} rank(s)")
@@ -139,6 +148,7 @@ def main():
         if each:
             print(f"ratio to explicit steps of {1000 * each:.1f} ms, were no cell born: "
                   f"{each * 3600 * (3 + args.hours) / seconds:.1f}")
+        print(styles(out))
         print(f"day_minutes: {sum(t for t, _ in runs) / 60:.1f}")
 
 
