@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 CODE, DOC = Path("src/DCM"), Path("doc")
-STYLE = re.compile(r"^(\w+)Style\(([\w/]+),\s*\w+\)", re.MULTILINE)
+STYLE = re.compile(r"^(\w+)Style\(([\w/]+),[^)]*\)", re.MULTILINE)
 # how the manual's index calls a style, where it is not the name of the macro
 WORDS = {"Command": "", "Atom": "atom_style ", "Pair": "pair_style ", "Bond": "bond_style ",
          "Dihedral": "dihedral_style "}
