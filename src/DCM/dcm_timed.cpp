@@ -71,7 +71,7 @@ void DCMWatch::begin(LAMMPS *lmp, const DCMWatch *asking)
 
 /* ---------------------------------------------------------------------- */
 
-void DCMWatch::tell(LAMMPS *lmp, const DCMWatch *asking)
+void DCMWatch::look(LAMMPS *lmp, DCMWatch *asking)
 {
   const auto rows = rows_of(lmp);
   const bigint steps = lmp->update->ntimestep - lmp->update->firststep;
@@ -104,5 +104,13 @@ void DCMWatch::tell(LAMMPS *lmp, const DCMWatch *asking)
   }
   text += fmt::format("  {:{}} {:10.4g} {:10} {:5.1f} %\n", "LAMMPS and others", width,
                       std::max(0.0, rest) / lmp->comm->nprocs, "", percent(std::max(0.0, rest)));
-  if (lmp->comm->me == 0) utils::logmesg(lmp, text);
+  if (lmp->comm->me == 0) asking->table = text;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void DCMWatch::tell(LAMMPS *lmp)
+{
+  if (!table.empty()) utils::logmesg(lmp, table);
+  table.clear();
 }

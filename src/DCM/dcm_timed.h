@@ -13,6 +13,8 @@
 
 #include "platform.h"
 
+#include <string>
+
 namespace LAMMPS_NS {
 
 // What each style of the deck took: the styles of this package are known to LAMMPS as
@@ -38,20 +40,33 @@ class DCMWatch {
     double start;
   };
 
-  // all back to zero; a table of all in the log, with what each style did. Collective; only the
-  // last style of the deck is listened to, when all others are done
+  // all back to zero; make a table of all, with what each style did. Collective; only the last
+  // style of the deck is listened to, when all others are done
 
   static void begin(class LAMMPS *, const DCMWatch *);
-  static void tell(class LAMMPS *, const DCMWatch *);
+  static void look(class LAMMPS *, DCMWatch *);
+
+  // print the table, when LAMMPS has printed what belongs to the run: before the next one, or when
+  // the style goes. Between thermo output and "Loop time" other programs expect thermo output
+
+  void tell(class LAMMPS *);
 
  protected:
+  std::string table;
+
   virtual ~DCMWatch() noexcept(false) {}    // as that of LAMMPS' classes
 };
 
 template <class Style> class DCMTimedFix : public Style, public DCMWatch {
  public:
   using Style::Style;
+  ~DCMTimedFix() override { tell(this->lmp); }
 
+  void init() override
+  {
+    tell(this->lmp);
+    Style::init();
+  }
   void initial_integrate(int vflag) override
   {
     const Span span(*this);
@@ -95,7 +110,7 @@ template <class Style> class DCMTimedFix : public Style, public DCMWatch {
   void post_run() override
   {
     Style::post_run();
-    tell(this->lmp, this);
+    look(this->lmp, this);
   }
 };
 

@@ -14,7 +14,7 @@ def tables(result):
     """Per run: name -> (mean, largest or None, percent, words)."""
     found = []
     for part in result.log.split(TITLE)[1:]:
-        rows = ROW.findall(part.split("Loop time")[0])
+        rows = ROW.findall(part.split("Total wall time")[0])
         assert len({name for name, *_ in rows}) == len(rows)
         found.append({
             name: (float(mean), float(most) if most else None, float(share), words)

@@ -35,7 +35,7 @@ def loops(out):
 def styles(out):
     """The last table of what each style took, as it stands in the log."""
     text = out.rpartition("Time of the DCM styles")
-    return (text[1] + text[2].partition("Loop time")[0]).rstrip()
+    return (text[1] + text[2].partition("Total wall time")[0]).rstrip()
 
 
 def table(out):
