@@ -1,5 +1,6 @@
 """Atom IDs, molecule IDs and per-atom values that LAMMPS or the deck edits, reuses or exhausts."""
 
+import os
 import re
 
 import numpy as np
@@ -61,6 +62,9 @@ def test_reset_molecules(lmp, scenes, options, pattern, np):
 # --- molecule and atom IDs ------------------------------------------------------------------------
 
 LAST = 2**31 - 1
+four_byte_ids = pytest.mark.skipif(
+    os.environ.get("LAMMPS_SIZES") == "BIGBIG", reason="8-byte IDs do not run out"
+)
 ONE = """one atom
 
 1 atoms
@@ -93,6 +97,7 @@ def after_one(scene, extra="", cells=CELL):
     return whole(scene, head=head, extra=extra)
 
 
+@four_byte_ids
 def test_no_molecule_left(lmp, scenes):
     scene = scenes.Scene()
     files = {"one.data": ONE.format(tag=7, mol=LAST)}
@@ -115,6 +120,7 @@ def test_last_molecules(lmp, scenes):
     assert set(frame["mol"]) == {LAST - 1, LAST}
 
 
+@four_byte_ids
 @pytest.mark.parametrize("np", [1, 3])
 def test_no_molecule_left_for_daughters(lmp, scenes, np):
     """Four IDs are left: two divisions at the same time, and then none."""
