@@ -115,7 +115,9 @@ TYPED_TEST(ContactSlope, IsTheDerivativeAlongTheAxis)
   }
   EXPECT_GT(met, 5000);
   // softening of the ring is seen; layers that stick have it at the outer edge only
-  EXPECT_GT(negative, closed ? met / (TypeParam::LOCAL_GAP ? 100 : 50) : -1);
+  if (closed) {
+    EXPECT_GT(negative, met / (TypeParam::LOCAL_GAP ? 100 : 50));
+  }
   EXPECT_LT(kinks, met / 20);
 }
 
