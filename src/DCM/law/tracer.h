@@ -112,7 +112,7 @@ template <class Faces> class TracerWalk {
   Vec3 outer_lo = Vec3::Constant(-ENDLESS), outer_hi = Vec3::Constant(ENDLESS);
   TracerCounts count;
 
-  TracerWalk(Faces &_faces, const Voxels &_voxels) : faces(_faces), voxels(_voxels) {}
+  TracerWalk(Faces &_faces, Voxels &_voxels) : faces(_faces), voxels(_voxels) {}
 
   /// Nearest face of a cell. Of several equally near (at an edge or corner), the one seen most from
   /// the front or the back: its side is the side of the surface.
@@ -262,7 +262,7 @@ template <class Faces> class TracerWalk {
   static constexpr int TRIES = 12, MOST_DOUBLED = 8;    // of put_back()
 
   Faces &faces;
-  const Voxels &voxels;
+  Voxels &voxels;
   std::vector<Side> ties;
   std::vector<std::int64_t> seen;
 
