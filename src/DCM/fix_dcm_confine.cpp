@@ -17,6 +17,8 @@
 #include "dcm_args.h"
 #include "dcm_deck_check.h"
 #include "dcm_record.h"
+#include "dcm_unknowns.h"
+#include "law/stiffness.h"
 #include "law/vector.h"
 #include "domain.h"
 #include "error.h"
@@ -336,6 +338,50 @@ void FixDCMConfine::pre_reverse(int /*eflag*/, int /*vflag*/)
   }
 }
 
+/* ----------------------------------------------------------------------
+   of the plane: a cell is held by the mean of its nodes, a sphere by its center
+------------------------------------------------------------------------- */
+
+void FixDCMConfine::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unknowns)
+{
+  if (plane < 0) return;
+  const auto &table = cell->cells();
+  const int field = system.add_field(table.size());
+  const auto holds = [this](int mask) {
+    return (mask & plane_bit) != 0;
+  };
+
+  // the nodes of one cell next to each other, by a counting sort over the cells
+
+  members.assign(table.size(), 0);
+  const auto row_of = [&](int i) {
+    const int row = dcm->kind[i] == AtomVecDCM::NODE ? cell->cell_of(i) : -1;
+    return row >= 0 && holds(table[row].mask) ? row : -1;
+  };
+  for (int s = 1; s <= unknowns.nowned(); s++) {
+    const int i = unknowns.atom_of(s), row = row_of(i);
+    if (row >= 0) members[row]++;
+    if (dcm->kind[i] != AtomVecDCM::SPHERE || !holds(atom->mask[i])) continue;
+    dcm::EdgeBlock block = {s, 0, 0.0, spring, {0.0, 0.0, 0.0}};
+    block.e[plane] = 1.0;
+    system.edges.push_back(block);
+  }
+  size_t next = system.members.size();
+  for (const int c : table.deformable()) {
+    if (!holds(table[c].mask)) continue;
+    const size_t first = next;
+    next += members[c];
+    members[c] = first;
+    system.means.push_back(
+        {first, next, spring, 1.0 / std::max(1, table[c].nnodes), plane, c, field});
+  }
+  system.members.resize(next);
+  for (int s = 1; s <= unknowns.nowned(); s++) {
+    const int row = row_of(unknowns.atom_of(s));
+    if (row >= 0) system.members[members[row]++] = s;
+  }
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixDCMConfine::write_restart(FILE *fp)
@@ -405,5 +451,6 @@ double FixDCMConfine::compute_vector(int i)
 
 double FixDCMConfine::memory_usage()
 {
-  return (double) cell_force.capacity() * sizeof(double);
+  return (double) cell_force.capacity() * sizeof(double) +
+         (double) members.capacity() * sizeof(size_t);
 }

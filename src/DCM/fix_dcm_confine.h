@@ -47,6 +47,7 @@ class FixDCMConfine : public Fix, public DCMRole {
   double compute_scalar() override;
   double compute_vector(int) override;
   double longest_step() override;
+  void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
   int modify_param(int, char **) override;
   double memory_usage() override;
 
@@ -76,6 +77,7 @@ class FixDCMConfine : public Fix, public DCMRole {
   double energy, farthest;    // of this rank's cells; deformable ones count on rank 0
 
   std::vector<double> cell_force;    // per deformable cell 3
+  std::vector<size_t> members;       // per cell: where its nodes are in the stiffness
 
   void add_force(const double *, int, double *);
   void estimate_reference();

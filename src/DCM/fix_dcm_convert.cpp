@@ -301,7 +301,7 @@ void FixDCMConvert::to_deformable(DCMCellSurgery &surgery, const DCMCellSurgery:
   const double volume = dcm::ball_volume(from.radius);
   double &rest_ratio = (*ratio)(cell->cells().find(from.molecule));
 
-  dcm::Random random(seed, from.molecule, update->ntimestep, dcm::RandomPurpose::CONVERSION);
+  dcm::Random random(seed, from.molecule, 0, dcm::RandomPurpose::CONVERSION);
   const Vec3 axis = random.gaussian_vector();
   const Eigen::Quaterniond rotation =
       Eigen::Quaterniond(random.gaussian(), axis[0], axis[1], axis[2]).normalized();

@@ -106,6 +106,9 @@ void FixDCMDeath::init()
   spheres = cell->request_spheres();
   cell->refresh();
   cell->cells().require_ids(STYLE);
+  if (rate > 0.0)
+    exposed = cell->change_cells().add(STYLE, std::string("exposed_") + id, DCMColumn::RESET, 0.0,
+                                       {}, exposed);
   if (!region_id.empty()) region = dcm_find_region(lmp, STYLE, region_id);
   if (!variable.empty()) dcm_find_variable(lmp, STYLE, variable);
   if (rate > 0.0 && rate * update->dt * nevery > 0.1)
@@ -138,10 +141,6 @@ std::vector<tagint> FixDCMDeath::condemned()
     const auto &it = table[row];
     if (!(mask & groupbit) || it.phase == DCMCellTable::DYING) return;
     if (age >= 0.0 && table.time() - it.birth < age) return;
-    if (rate > 0.0 &&
-        dcm::Random(seed, it.molecule, update->ntimestep, dcm::RandomPurpose::DEATH).uniform() >
-            rate * since)
-      return;
     molecules.push_back(it.molecule);
   };
 
@@ -162,6 +161,19 @@ std::vector<tagint> FixDCMDeath::condemned()
     for (size_t m = 0; m < molecules.size(); m++)
       if (values[m] != 0.0) molecules[n++] = molecules[m];
     molecules.resize(n);
+  }
+
+  // the random number of a cell is the share of cells that live longer than it does: how often one
+  // looks changes nothing but by how much a death is late
+
+  if (rate > 0.0) {
+    const auto survives = [&](tagint molecule) {
+      double &time = (*exposed)(table.find(molecule));
+      time += since;
+      return std::exp(-rate * time) >
+          dcm::Random(seed, molecule, 0, dcm::RandomPurpose::DEATH).uniform();
+    };
+    molecules.erase(std::remove_if(molecules.begin(), molecules.end(), survives), molecules.end());
   }
   return molecules;
 }

@@ -69,6 +69,7 @@ class FixDCMDeath : public Fix, public DCMRole {
   DCMLog log;
   bigint removed;
   double since;                             // time since the last look, < 0: none yet
+  DCMCellTable::Handle exposed;             // time for which a cell has met all criteria but `rate`
   std::vector<tagint> gone;                 // to take away in this step
   std::map<tagint, Shrinking> shrinking;    // cells that this fix made shrink
 

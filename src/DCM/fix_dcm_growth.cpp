@@ -392,7 +392,7 @@ void FixDCMGrowth::hold_fractions()
       const auto &it = table[row];
       if (it.phase != from || !counts(it, cycles->load<Cycle>(row))) continue;
       candidates.emplace_back(
-          dcm::Random(seed, it.molecule, update->ntimestep, dcm::RandomPurpose::QUIESCENCE)
+          dcm::Random(seed, it.molecule, table.last_molecule(), dcm::RandomPurpose::QUIESCENCE)
               .uniform(),
           row);
     }

@@ -28,20 +28,21 @@ using namespace FixConst;
 static const char STYLE[] = "Fix dcm/motility";
 static constexpr bigint LARGEST_SEED = 1LL << 53;    // whole numbers of a double
 static constexpr double MISSING = -1.0;
+static constexpr double WHOLE = 1.0e-6;    // round-off of a number of timesteps or intervals
 static constexpr double UNSET = 1.0e300;    // state of a cell that has not been drawn yet
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/motility [FILE name1..nameN] seed S [D v] [friction_ecm v]
-                             [bias x y z F] [persistence tau] [plane x|y|z]
+                             [interval T] [bias x y z F] [persistence tau] [plane x|y|z]
 ------------------------------------------------------------------------- */
 
 FixDCMMotility::FixDCMMotility(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cell(nullptr), parameters(lmp, STYLE, {"D", "friction_ecm"}), seed(0),
-    persistence(0.0), bias{0.0, 0.0, 0.0}, plane(-1), state(nullptr)
+    interval(0.0), persistence(0.0), bias{0.0, 0.0, 0.0}, plane(-1), state(nullptr)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
 
-  DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"seed", "bias", "persistence", "plane"});
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"seed", "interval", "bias", "persistence", "plane"});
   parameters.parse(args, atom->ntypes);
   bool has_seed = false;
   while (args.next()) {
@@ -49,6 +50,8 @@ FixDCMMotility::FixDCMMotility(LAMMPS *lmp, int narg, char **arg) :
     if (args.is("seed")) {
       seed = args.whole(0, LARGEST_SEED);
       has_seed = true;
+    } else if (args.is("interval")) {
+      interval = args.number(DCMArgs::POSITIVE);
     } else if (args.is("bias")) {
       args.need(4);
       for (double &component : bias) component = args.number();
@@ -104,6 +107,13 @@ void FixDCMMotility::init()
   dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER, AtomVecDCM::SPHERE});
   parameters.resolve();
   read_types();
+  const double parts = interval / update->dt;
+  if (interval > 0.0 && !(traits_of(lmp) & CHOOSES_STEP) &&
+      !(parts > 0.5 && std::fabs(parts - std::round(parts)) < WHOLE * parts))
+    error->all(FLERR,
+               "{}: interval {} is no multiple of the timestep {}; choose one that is, or let fix "
+               "dcm/motion choose steps that end with it (dt auto)",
+               STYLE, interval, update->dt);
   bool unnamed = false;
   for (int i = 0; i < atom->nlocal; i++)
     if (dcm->kind[i] == AtomVecDCM::SPHERE && moves(i) && atom->molecule[i] <= 0) unnamed = true;
@@ -163,26 +173,44 @@ bool FixDCMMotility::moves(int i) const
 }
 
 /* ----------------------------------------------------------------------
-   three standard normal numbers of a cell at this step
+   what a force is held for: an interval of time, or a step
+------------------------------------------------------------------------- */
+
+bigint FixDCMMotility::number_of_interval(double time) const
+{
+  return (bigint) std::floor(time / interval + WHOLE);
+}
+
+double FixDCMMotility::next_event()
+{
+  if (interval == 0.0) return DCMRole::next_event();
+  const double now = cell->cells().time();
+  return (double) (number_of_interval(now) + 1) * interval - now;
+}
+
+/* ----------------------------------------------------------------------
+   three standard normal numbers of a cell, now
 ------------------------------------------------------------------------- */
 
 void FixDCMMotility::draw(tagint molecule, double *xi) const
 {
-  dcm::Random random(seed, molecule, update->ntimestep, dcm::RandomPurpose::MOTILITY);
+  const bigint number =
+      interval > 0.0 ? number_of_interval(cell->cells().time()) : update->ntimestep;
+  dcm::Random random(seed, molecule, number, dcm::RandomPurpose::MOTILITY);
   dcm::vec(xi) = random.gaussian_vector();
 }
 
 /* ----------------------------------------------------------------------
    standard deviation of the force that gives the diffusion constant D when held
-   for one step; with persistence, when correlated from step to step by
-   a = exp(-dt/tau): the sum over all correlations is (1+a)/(1-a) = coth(dt/(2 tau))
+   for a time T; with persistence, when correlated from one T to the next by
+   a = exp(-T/tau): the sum over all correlations is (1+a)/(1-a) = coth(T/(2 tau))
 ------------------------------------------------------------------------- */
 
 double FixDCMMotility::amplitude(const Type &type, double area) const
 {
-  const double dt = update->dt;
-  double variance = 2.0 * type.D / dt;
-  if (persistence > 0.0) variance *= std::tanh(0.5 * dt / persistence);
+  const double held = held_for();
+  double variance = 2.0 * type.D / held;
+  if (persistence > 0.0) variance *= std::tanh(0.5 * held / persistence);
   return type.friction * area * std::sqrt(variance);
 }
 
@@ -194,8 +222,12 @@ double FixDCMMotility::amplitude(const Type &type, double area) const
 void FixDCMMotility::initial_integrate(int /*vflag*/)
 {
   if (persistence == 0.0) return;
-  const double a = std::exp(-update->dt / persistence);
-  const double b = std::sqrt(-std::expm1(-2.0 * update->dt / persistence));
+  if (interval > 0.0) {    // does another begin with the end of this step?
+    const double end = cell->cells().time();
+    if (number_of_interval(end) == number_of_interval(end - update->dt)) return;
+  }
+  const double a = std::exp(-held_for() / persistence);
+  const double b = std::sqrt(-std::expm1(-2.0 * held_for() / persistence));
   for (int i = 0; i < atom->nlocal; i++) {
     if (!moves(i) || state[i][0] == UNSET) continue;
     double xi[3];

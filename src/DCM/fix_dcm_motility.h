@@ -21,6 +21,7 @@ FixStyle(dcm/motility,DCMTimedFix<FixDCMMotility>);
 #include "dcm_role.h"
 #include "dcm_timed.h"
 #include "fix.h"
+#include "update.h"
 
 #include <cstdint>
 #include <vector>
@@ -28,7 +29,8 @@ FixStyle(dcm/motility,DCMTimedFix<FixDCMMotility>);
 namespace LAMMPS_NS {
 
 // Random and biased migration force of cells (S1 "Migration forces"). The random numbers depend on
-// seed, cell and step only, so that neither the number of ranks nor a restart changes a run.
+// seed, cell and step, or interval of time, only, so that neither the number of ranks nor a restart
+// changes a run.
 
 class FixDCMMotility : public Fix, public DCMRole {
  public:
@@ -51,13 +53,15 @@ class FixDCMMotility : public Fix, public DCMRole {
   int maxsize_restart() override;
   double memory_usage() override;
 
-  unsigned traits() const override { return FIXED_STEP; }    // a force drawn for one step
+  unsigned traits() const override { return interval > 0.0 ? 0U : FIXED_STEP; }
+  double next_event() override;
 
  private:
   class FixDCMCell *cell;
   struct DCMAtoms *dcm;
   DCMParameters parameters;
   std::uint64_t seed;
+  double interval;       // time for which a force is held, 0: a step
   double persistence;    // correlation time of the force, 0: white noise
   double bias[3];        // constant force
   int plane;             // 0-2: no random force along this axis, -1: in all directions
@@ -78,6 +82,8 @@ class FixDCMMotility : public Fix, public DCMRole {
   void draw(tagint, double *) const;
   void check(int type) const;
   double amplitude(const Type &, double) const;
+  double held_for() const { return interval > 0.0 ? interval : update->dt; }
+  bigint number_of_interval(double) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -127,8 +127,8 @@ void FixDCMMotion::init()
   roles = DCMRole::of(lmp);
   if ((automatic || shrinks) && (traits_of(lmp) & FIXED_STEP))
     error->all(FLERR,
-               "{}: {} does not go with fix dcm/motility, whose random force is drawn for one step "
-               "of a given length; leave {} out and choose a timestep",
+               "{}: {} does not go with a fix dcm/motility whose random force is drawn for each "
+               "step; give it a time for which a force is held, keyword interval, or leave {} out",
                STYLE, automatic ? "dt auto" : "maxmove shrink", automatic ? "dt" : "shrink");
   find_friction();
   reset_dt();

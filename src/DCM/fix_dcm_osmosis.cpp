@@ -14,10 +14,8 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_args.h"
-#include "dcm_compat.h"
 #include "dcm_deck_check.h"
 #include "dcm_record.h"
-#include "domain.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
@@ -61,7 +59,7 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
     secrete_bit(groupbit), axis(-1), lo(0.0), hi(0.0), ramp(0.0),
     starter(NO_STARTER), point{0.0, 0.0, 0.0}, radius(0.0), starting(0.0), now(), cell(nullptr),
     contact(nullptr), graph(lmp, STYLE), tracer(nullptr), mark(nullptr), whole(nullptr),
-    acting(0.0), worked(0.0), measured(false), wall(0.0), net(0.0)
+    acting(0.0), worked(0.0), falls(0.0), measured(false), wall(0.0), net(0.0)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   every = 0;
@@ -142,6 +140,7 @@ FixDCMOsmosis::FixDCMOsmosis(LAMMPS *lmp, int narg, char **arg) :
   virial_global_flag = virial_peratom_flag = 1;
   thermo_virial = 1;
   comm_forward = 1;
+  comm_reverse = 3;
   restart_global = restart_peratom = 1;
   create_attribute = 1;
   maxexchange = 1;
@@ -311,94 +310,6 @@ void FixDCMOsmosis::initial_integrate(int /*vflag*/)
 }
 
 /* ----------------------------------------------------------------------
-   area of a face that the pressure acts on: a contact that grows takes it off little by little
-------------------------------------------------------------------------- */
-
-double FixDCMOsmosis::free_part(int f) const
-{
-  const int i = cell->faces()[f].atom;
-  if (!mark[i]) return 0.0;
-  const double area = cell->area(f);
-  return weigh_free && !whole[i] ? std::max(0.0, area - contact->contact_area()[i]) : area;
-}
-
-/* ----------------------------------------------------------------------
-   faces move with the mean of their vertices
-------------------------------------------------------------------------- */
-
-double FixDCMOsmosis::power() const
-{
-  double sum = 0.0;
-  if (acting == 0.0) return sum;
-  const double *const normals = cell->normals();
-  for (int f = 0; f < cell->nowned(); f++) {
-    const double part = free_part(f);
-    if (part == 0.0) continue;
-    const Vec3 third = dcm::lumen_force(acting, part, vec(&normals[3 * (size_t) f]));
-    sum += 3.0 * third.dot(vec(atom->v[cell->faces()[f].atom]));
-  }
-  return sum;
-}
-
-/* ----------------------------------------------------------------------
-   on nodes, ghosts included, before forces are summed; the virial is taken about the center of the
-   cell, as that of fix dcm/volume
-------------------------------------------------------------------------- */
-
-void FixDCMOsmosis::pre_reverse(int /*eflag*/, int vflag)
-{
-  v_init(vflag);
-  if (!newborn.empty()) inherit();
-  measured = false;
-  evaluate_pressure();
-  if (acting == 0.0) return;
-  double **x = atom->x, **force = atom->f;
-  const double *const normals = cell->normals();
-  for (int f = 0; f < cell->nowned(); f++) {
-    const double part = free_part(f);
-    if (part == 0.0) continue;
-    const auto &face = cell->faces()[f];
-    const Vec3 third = dcm::lumen_force(acting, part, vec(&normals[3 * (size_t) f]));
-    for (const int v : face.v) vec(force[v]) += third;
-    if (evflag)
-      for (const int v : face.v) tally(face.atom, x[v], cell->cells()[face.cell].x, third.data());
-  }
-  worked += 0.5 * update->dt * power();
-}
-
-void FixDCMOsmosis::tally(int i, const double *xi, const double *center, const double *fi)
-{
-  double d[3] = {xi[0] - center[0], xi[1] - center[1], xi[2] - center[2]};
-  dcm_minimum_image(domain, d[0], d[1], d[2]);
-  double v[6] = {d[0] * fi[0], d[1] * fi[1], d[2] * fi[2],
-                 d[0] * fi[1], d[0] * fi[2], d[1] * fi[2]};
-  v_tally(i, v);
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixDCMOsmosis::evaluate_pressure()
-{
-  if (dilute > 0.0 || solute) measure();
-  double P = pressure;
-  if (!variable.empty()) {
-    modify->clearstep_compute();
-    P = input->variable->compute_equal(input->variable->find(variable.c_str()));
-    modify->addstep_compute(update->ntimestep + 1);
-    if (!std::isfinite(P))
-      error->all(FLERR, "{}: variable {} gives the pressure {} at step {}; it must be a number",
-                 STYLE, variable, P, update->ntimestep);
-  }
-  if (ramp > 0.0) {
-    const double since = now.begun < 0.0 ? 0.0 : now.clock - now.begun;
-    P *= std::min(1.0, since / ramp);
-  }
-  if (dilute > 0.0 && sums.volume > dilute) P *= dilute / sums.volume;
-  if (solute && now.nfaces > 0) P += dcm::osmotic_pressure(now.amount, kT, sums.volume, least);
-  acting = P;
-}
-
-/* ----------------------------------------------------------------------
    the end of a starter around a point; a tenth of the ramp while it lasts
 ------------------------------------------------------------------------- */
 
@@ -413,46 +324,6 @@ double FixDCMOsmosis::longest_step()
   if (ramp > 0.0 && now.begun >= 0.0 && now.clock - now.begun < ramp)
     return std::min(longest, 0.1 * ramp);
   return now.nfaces > 0 && acting != 0.0 ? longest : DCMRole::longest_step();
-}
-
-/* ----------------------------------------------------------------------
-   the marked faces as they are now: volume, closure, net force; collective
-------------------------------------------------------------------------- */
-
-void FixDCMOsmosis::measure()
-{
-  if (measured) return;
-  measured = true;
-  double **x = atom->x;
-  dcm::LumenSums mine;
-  Vec3 push = Vec3::Zero();
-  double area = 0.0;
-  for (int f = 0; f < cell->nowned(); f++) {
-    const auto &face = cell->faces()[f];
-    if (!mark[face.atom]) continue;
-    double d[3];
-    for (int k = 0; k < 3; k++) d[k] = x[face.v[0]][k] - now.center[k];
-    dcm_minimum_image(domain, d[0], d[1], d[2]);
-    const Vec3 a = vec(d), b = a + (vec(x[face.v[1]]) - vec(x[face.v[0]])),
-               c = a + (vec(x[face.v[2]]) - vec(x[face.v[0]]));
-    if (axis < 0) {
-      dcm::add_face(mine, a, b, c);
-    } else {
-      dcm::add_face_in_slab(mine, a, b, c, axis, lo - now.center[axis], hi - now.center[axis]);
-    }
-    area += cell->area(f);
-    push += free_part(f) * vec(&cell->normals()[3 * (size_t) f]);
-  }
-  double values[9] = {mine.volume, mine.area, area};
-  vec(&values[3]) = mine.area_vector;
-  vec(&values[6]) = push;
-  MPI_Allreduce(MPI_IN_PLACE, values, 9, MPI_DOUBLE, MPI_SUM, world);
-  sums = dcm::LumenSums();
-  sums.volume = values[0];
-  sums.area = values[1];
-  sums.area_vector = vec(&values[3]);
-  wall = values[2];
-  net = vec(&values[6]).norm();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -518,5 +389,6 @@ double FixDCMOsmosis::compute_vector(int n)
 double FixDCMOsmosis::memory_usage()
 {
   return 2.0 * atom->nmax * sizeof(int) + (double) state.capacity() * sizeof(int) +
+         (double) pushed.capacity() * sizeof(double) +
          graph.memory_usage();
 }

@@ -33,7 +33,8 @@ namespace LAMMPS_NS {
 // them. Which faces these are is looked into every so many steps, in initial_integrate: faces that
 // the fluid secreted at apical faces can reach (flood), or that tracers have touched.
 //
-// fix_dcm_osmosis.cpp: arguments, pressure, forces; fix_dcm_osmosis_marks.cpp: marks.
+// fix_dcm_osmosis.cpp: arguments, checks, time; fix_dcm_osmosis_pressure.cpp: volume, pressure,
+// forces; fix_dcm_osmosis_marks.cpp: marks.
 
 class FixDCMOsmosis : public Fix, public DCMRole {
  public:
@@ -48,6 +49,8 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   void restart(char *) override;
   double compute_scalar() override;
   double compute_vector(int) override;
+  int pack_reverse_comm(int, int, double *) override;
+  void unpack_reverse_comm(int, int *, double *) override;
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
   void grow_arrays(int) override;
@@ -64,6 +67,7 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   const int *marked_faces() const override { return mark; }
   double next_event() override;
   double longest_step() override;
+  void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
   void cell_divided(const DCMCellTable::Division &) override;
   void cell_removed(int) override { now.due = 1; }
   void cell_converted(int, double) override { now.due = 1; }
@@ -103,6 +107,8 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   int *mark, *whole;    // per atom: face is marked; counts in full since a starter marked it
 
   double acting, worked;    // pressure now; work of this process
+  double falls;             // by so much for each volume that is added (pressure/volume), >= 0
+  std::vector<double> pushed;    // per atom, 3 numbers: force of a unit of pressure
   bool measured;
   dcm::LumenSums sums;    // of the marked faces as they are now
   double wall, net;       // their area, size of the force on them

@@ -344,7 +344,7 @@ Vec3 FixDCMPolarity::given_vector(int row, const Vec3 &variable) const
 {
   const auto &it = cell->cells()[row];
   if (start_mode == RANDOM) {
-    dcm::Random random(seed, it.molecule, update->ntimestep, dcm::RandomPurpose::POLARITY);
+    dcm::Random random(seed, it.molecule, 0, dcm::RandomPurpose::POLARITY);
     return dcm::direction(dcm::in_plane(random.unit_vector(), axis));
   }
   Vec3 v = variable;
@@ -379,8 +379,7 @@ Vec3 FixDCMPolarity::given_vector(int row, const Vec3 &variable) const
 Vec3 FixDCMPolarity::turned(int row, const Vec3 &P, const Vec3 &A) const
 {
   Vec3 now = dcm::polar_vector(P, A, axis);
-  dcm::Random random(seed, cell->cells()[row].molecule, update->ntimestep,
-                     dcm::RandomPurpose::POLARITY);
+  dcm::Random random(seed, cell->cells()[row].molecule, 0, dcm::RandomPurpose::POLARITY);
   random.unit_vector();    // was for A
   while (!(now.norm() > 0.5)) now = dcm::polar_vector(random.unit_vector(), A, axis);
   return now;

@@ -326,14 +326,14 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
     if (row >= 0) begin[row]++;
   }
   size_t next = system.nodes.size();
-  system.nrows = table.size();
+  const int field = system.add_field(table.size());
   for (const int c : table.deformable()) {
     const auto &it = table[c];
     const size_t first = next;
     next += begin[c];
     begin[c] = first;
     if (acts_on(it))
-      system.cells.push_back({first, next, dcm::pressure_stiffness(K_V[it.type], it.volume), c});
+      system.cells.push_back({first, next, dcm::pressure_stiffness(K_V[it.type], it.volume), c, field});
   }
   system.nodes.resize(next);
   for (int s = 1; s <= nowned; s++) {

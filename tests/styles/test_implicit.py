@@ -6,6 +6,7 @@ import pytest
 from support.bad_decks import fails
 from support.cycle_decks import growth, same
 
+G_ECM = 1.0    # of support/parameters.py
 COLUMNS = "id mol type xu yu zu vx vy vz fx fy fz"
 
 
@@ -223,6 +224,34 @@ def test_stiff_contacts_take_the_same_steps(lmp, scenes):
     soft, stiff = found[0.25], found[0.025]
     assert stiff["v_p"] == pytest.approx(soft["v_p"], rel=0.01)
     assert stiff["v_d"] == pytest.approx(soft["v_d"], rel=0.01)
+
+
+@pytest.mark.parametrize("np_", [1, 2, 4])
+def test_a_plane_may_be_as_stiff_as_it_likes(lmp, scenes, np_):
+    """Backward Euler: a step divides the distance from the plane by 1 + dt K/Gamma, Gamma = g A, of a
+    sphere and of a cell held by the mean of its nodes; here by 200 and 450, where explicit steps
+    overshoot."""
+    K, dt, radii = 1.5e3, 60.0, (6.0, 4.0)
+    scene = scenes.Scene(20.0, "f f f")
+    scene.dcm(0.0, 0.0, 3.0, radii[0], options="rotate 3 rest 1.0")
+    scene.cbm(14.0, 0.0, -4.0, radii[1])
+
+    def deck(options):
+        return (
+            scene.head() + scene.forces() + f"fix plane all dcm/confine plane z {K}\n"
+            + scene.motion(options=f"tolerance 1e-13 maxmove 10 {options}")
+            + "group cells type 1 4\ncompute of cells dcm/cell z area\n"
+            + scenes.dump("id c_of[1] c_of[2]", 1, group="cells") + f"timestep {dt}\nrun 2\n"
+        )  # fmt: skip
+
+    frames = lmp(deck("scheme implicit"), np=np_).dump()
+    for k, within in ((0, 0.1), (1, 1e-9)):    # the cell is bent: nodes have unlike shares of A
+        z = [frame["c_of[1]"][k] for frame in frames]
+        area = frames[0]["c_of[2]"][k]
+        for before, after in zip(z, z[1:]):
+            assert before / after == pytest.approx(1.0 + dt * K / (G_ECM * area), rel=within)
+    run = lmp.run(deck(""))
+    assert "maxmove" in run.error or abs(run.dump()[-1]["c_of[1]"][1]) > 4.0
 
 
 BAD = {

@@ -155,6 +155,38 @@ def test_solute_stops_a_lumen(lmp, scenes):
     assert (grown <= 2e-3 * max(get(row, "area") for row in rows)).all()
 
 
+@pytest.mark.parametrize("np_", [1, 3])
+@pytest.mark.parametrize("weight", ["free", "full"])
+def test_implicit_step_knows_that_the_pressure_falls(lmp, scenes, weight, np_):
+    """(A + dt c g g^T) v = F with c = P/V and the force g of a unit of pressure, against the
+    Sherman-Morrison formula; A and g from the steps with two constant pressures."""
+    scene, files = ring_data(lmp, scenes)
+    dt = 20.0
+
+    def step(pressure):
+        result = lmp(
+            ring_deck(scene, f"{pressure} marks flood slab z -3 3 every 1 weight {weight}")
+            + scene.motion(options="tolerance 1e-13 scheme implicit maxmove 10") + values(scenes)
+            + scenes.dump("id type vx vy vz fx fy fz", 1) + f"timestep {dt}\nrun 0\n",
+            files=files, np=np_,
+        )  # fmt: skip
+        frame = result.dump()[0]
+        nodes = frame["type"] == 2
+        return frame.v[nodes].ravel(), frame.f[nodes].ravel(), result.thermo[0]
+
+    v, f, row = step("pressure 1.0 dilute 5.0")
+    P, V = get(row, "pressure"), get(row, "volume")
+    assert P == pytest.approx(5.0 / V, rel=1e-12) and V > 10.0
+    v0, f0, _ = step(f"pressure {P!r}")
+    v1, f1, _ = step(f"pressure {P + 0.5!r}")
+    assert np.abs(f - f0).max() < 1e-12 * np.abs(f).max()
+    g, moved = (f1 - f0) / 0.5, (v1 - v0) / 0.5    # moved: A^-1 g
+    c = dt * P / V
+    expected = v0 - c * moved * (g @ v0) / (1.0 + c * (g @ moved))
+    assert np.abs(expected - v0).max() > 0.05 * np.abs(v0).max()
+    assert np.abs(v - expected).max() < 1e-8 * np.abs(v0).max()
+
+
 # --- marks ----------------------------------------------------------------------------------------
 
 

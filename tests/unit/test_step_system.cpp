@@ -22,7 +22,7 @@ struct Alone {
   void forward(double *) {}
   void reverse(double *, int, int) {}
   void sum(double *, int) {}
-  void sum_cells(double *) {}
+  void sum_cells(double *, int) {}
 };
 
 // a ring of n nodes with dashpots, springs and one volume-like block over all of them

@@ -23,11 +23,12 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double SINGLE = 2.0e-7;    // three times the round-off of single precision
+constexpr int ROWS = 2, FIELDS = 2;  // cells of random_system(), blocks of each
 
 struct Alone {
   int sums = 0;
   void sum(double *, int) { sums++; }
-  void sum_cells(double *) { sums++; }
+  void sum_cells(double *, int) { sums++; }
 };
 
 // full matrices over slots 1..n; slot 0 is dropped
@@ -64,6 +65,13 @@ class Dense {
       for (size_t k = b.begin; k < b.end; k++)
         for (size_t l = b.begin; l < b.end; l++)
           add(s.nodes[k].n, s.nodes[l].n, b.c * vec(s.nodes[k].g) * vec(s.nodes[l].g).transpose());
+    for (const auto &b : s.means)
+      for (size_t k = b.begin; k < b.end; k++)
+        for (size_t l = b.begin; l < b.end; l++) {
+          Mat3 m = Mat3::Zero();
+          m(b.axis, b.axis) = b.c * b.share * b.share;
+          add(s.members[k], s.members[l], m);
+        }
   }
 
  private:
@@ -115,14 +123,20 @@ StiffnessSystem random_system(Random &random, int n)
     b.c = random.uniform();
     s.hinges.push_back(b);
   }
-  for (int first : {1, 1 + n / 2}) {    // two cells that share no node
-    CellBlock b = {s.nodes.size(), 0, random.uniform(), s.nrows++};
+  const int volumes = s.add_field(ROWS), planes = s.add_field(ROWS);
+  for (int row : {0, 1}) {    // two cells that share no node
+    const int first = 1 + row * (n / 2);
+    CellBlock b = {s.nodes.size(), 0, random.uniform(), row, volumes};
     for (int i = first; i < first + n / 2; i++) {
       s.nodes.push_back({i, {}});
       set(s.nodes.back().g, random.gaussian_vector());
     }
     b.end = s.nodes.size();
     s.cells.push_back(b);
+    MeanBlock mean = {s.members.size(), 0, random.uniform(), 2.0 / n, 1 + row, row, planes};
+    for (int i = first; i < first + n / 2; i++) s.members.push_back(i);
+    mean.end = s.members.size();
+    s.means.push_back(mean);
   }
   s.merge();
   return s;
@@ -211,8 +225,8 @@ TEST(StiffnessBlocks, ProductEqualsDenseMatrix)
     for (int i = 0; i <= n; i++) EXPECT_EQ(y[STRIDE * i + 3], 0.0);
     EXPECT_EQ(comm.sums, 1);
 
-    s.cells.clear();    // no cells, no message
-    s.nrows = 0;
+    s.clear();    // no cells, no message
+    s.merge();
     s.apply(dt, n + 1, p.data(), y.data(), comm);
     EXPECT_EQ(comm.sums, 1);
   }
@@ -225,6 +239,7 @@ TEST(StiffnessBlocks, PackedMatrixIsSymmetricSemidefiniteAndBlindToTranslations)
   const int n = 15;
   StiffnessSystem s = random_system(random, n);
   s.cells.clear();    // their random gradients see translations
+  s.means.clear();    // and so does a plane
   auto inside = [](const auto &b) {
     for (int i : b.n)
       if (i == 0) return false;
@@ -294,24 +309,35 @@ TEST(StiffnessBlocks, CellSharedByProcesses)
   // nodes of each cell on two processes: their products and powers add up to those of one
   Random random(104, 0, 0);
   const int n = 12;
-  StiffnessSystem whole;
-  {
-    const StiffnessSystem s = random_system(random, n);
-    whole.cells = s.cells;
-    whole.nrows = s.nrows;
-    whole.cells.front().row = -1;    // one over more than a cell
-    whole.nodes = s.nodes;
-  }
-  StiffnessSystem part[2];
-  part[0].nrows = part[1].nrows = whole.nrows;
-  for (int rank : {0, 1})
-    for (const auto &b : whole.cells) {
-      CellBlock mine = {part[rank].nodes.size(), 0, b.c, b.row};
-      for (size_t i = b.begin; i < b.end; i++)
-        if ((whole.nodes[i].n % 3 == 0) == (rank == 0)) part[rank].nodes.push_back(whole.nodes[i]);
-      mine.end = part[rank].nodes.size();
-      part[rank].cells.push_back(mine);
+  StiffnessSystem whole = random_system(random, n), part[2];
+  whole.edges.clear();
+  whole.contacts.clear();
+  whole.hinges.clear();
+  whole.merge();
+  whole.cells.front().row = -1;    // one over more than a cell
+  for (int rank : {0, 1}) {
+    const auto has = [&](int slot) {
+      return (slot % 3 == 0) == (rank == 0);
+    };
+    StiffnessSystem &mine = part[rank];
+    for (int k = 0; k < FIELDS; k++) mine.add_field(ROWS);
+    for (CellBlock b : whole.cells) {
+      const size_t begin = mine.nodes.size();
+      for (; b.begin < b.end; b.begin++)
+        if (has(whole.nodes[b.begin].n)) mine.nodes.push_back(whole.nodes[b.begin]);
+      b.begin = begin;
+      b.end = mine.nodes.size();
+      mine.cells.push_back(b);
     }
+    for (MeanBlock b : whole.means) {
+      const size_t begin = mine.members.size();
+      for (; b.begin < b.end; b.begin++)
+        if (has(whole.members[b.begin])) mine.members.push_back(whole.members[b.begin]);
+      b.begin = begin;
+      b.end = mine.members.size();
+      mine.means.push_back(b);
+    }
+  }
 
   const VectorXd p = with_fixed(random_vector(random, 3 * n));
   const VectorXd zero = VectorXd::Zero(p.size());
@@ -321,23 +347,22 @@ TEST(StiffnessBlocks, CellSharedByProcesses)
 
   // first round: what each process would send; second: each receives the sum
   struct Listen {
-    int nrows = 0;
     std::vector<double> cells, wide;
-    void sum_cells(double *v) { cells.assign(v, v + nrows); }
+    void sum_cells(double *v, int width) { cells.assign(v, v + ROWS * width); }
     void sum(double *v, int n) { wide.assign(v, v + n); }
   } sent[2];
-  sent[0].nrows = sent[1].nrows = whole.nrows;
   struct Answer {
     std::vector<double> cells, wide;
-    void sum_cells(double *v) { std::copy(cells.begin(), cells.end(), v); }
+    void sum_cells(double *v, int) { std::copy(cells.begin(), cells.end(), v); }
     void sum(double *v, int n) { std::copy(wide.begin(), wide.begin() + n, v); }
   } answer;
   VectorXd half[2] = {zero, zero};
   for (int rank : {0, 1}) part[rank].apply(2.0, n + 1, p.data(), half[rank].data(), sent[rank]);
   ASSERT_EQ(sent[0].wide.size(), 1u);
   answer.wide = {sent[0].wide[0] + sent[1].wide[0]};
-  for (int row = 0; row < whole.nrows; row++)
-    answer.cells.push_back(sent[0].cells[row] + sent[1].cells[row]);
+  ASSERT_EQ(sent[0].cells.size(), size_t(ROWS * FIELDS));
+  for (int k = 0; k < ROWS * FIELDS; k++)
+    answer.cells.push_back(sent[0].cells[k] + sent[1].cells[k]);
   double shares = 0.0;
   for (int rank : {0, 1}) {
     half[rank].setZero();

@@ -149,13 +149,13 @@ class FrictionComm {
     seconds += MPI_Wtime() - start;
   }
 
-  // one number per row of the table of cells, over those that own nodes of the cell
+  // `width` numbers per row of the table of cells, over those that own nodes of the cell
 
-  void sum_cells(double *values)
+  void sum_cells(double *values, int width)
   {
     if (nprocs == 1) return;
     const double start = MPI_Wtime();
-    cells->sum(values, 1, true);
+    cells->sum(values, width, true);
     seconds += MPI_Wtime() - start;
   }
 

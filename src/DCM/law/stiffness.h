@@ -10,6 +10,8 @@
 //   hinge          RankOne<4>      hinge_stiffness()
 //   contact        ContactBlock    weights and axis of its friction block
 //   volume         CellBlock       pressure_stiffness() and the gradient of the volume
+//   lumen          CellBlock       the same for the fluid in it, without a row
+//   plane          MeanBlock       of a cell that is held as a whole; spheres: EdgeBlock to slot 0
 //
 // Every block is symmetric and positive semidefinite by its form. What would make -dF/dx
 // indefinite (tension below zero, the second derivatives of angle and volume, softening of a
@@ -17,7 +19,7 @@
 // A volume block couples all nodes of a cell: its product needs one number per cell, summed over
 // the processes that share the cell. That message goes through the Communicator of
 // friction_solver.h, of which only these are used:
-//   void sum_cells(double *values);       // one per row of the table of cells
+//   void sum_cells(double *values, int width);    // so many per row of the table of cells
 //   void sum(double *values, int n);      // for blocks over more than a cell
 // Units: blocks in force/length (nN/um); dt in s turns them into friction.
 
@@ -49,13 +51,22 @@ struct CellNode {
 
 /// c G G^T over all nodes of a cell, c >= 0; here are those of this process, numbers begin to
 /// end - 1 of StiffnessSystem::nodes. A node belongs to the process that owns it, and to it alone,
-/// with its full gradient. row: number of the cell, the same everywhere. A cell has at most one
-/// such block, on all processes that own atoms of it, even if these are none of its nodes. Without
-/// a row: a block over more than a cell, which all processes have, in the same order.
+/// with its full gradient. row: number of the cell, the same everywhere; field: of the style that
+/// adds the block, StiffnessSystem::add_field(). A cell has at most one block in a field, on all
+/// processes that own atoms of it, even if these are none of its nodes. Without a row: a block over
+/// more than a cell, which all processes have, in the same order.
 struct CellBlock {
   std::size_t begin, end;
   double c;
-  int row = -1;
+  int row = -1, field = 0;
+};
+
+/// c e e^T on the mean of all nodes of a cell, e a coordinate axis: numbers begin to end - 1 of
+/// StiffnessSystem::members are here, share: one over the number of all. row, field: as above.
+struct MeanBlock {
+  std::size_t begin, end;
+  double c, share;
+  int axis, row, field;
 };
 
 /* ----------------------------------------------------------------------
@@ -102,8 +113,17 @@ class StiffnessSystem {
   std::vector<ContactBlock> contacts;    ///< slope along u in `normal`; tangential is 0
   std::vector<RankOne<4>> hinges;
   std::vector<CellBlock> cells;
-  int nrows = 0;    ///< numbers of cells are below it; the same everywhere, 0: nowhere any block
   std::vector<CellNode> nodes;    ///< of all cells, those of one cell next to each other
+  std::vector<MeanBlock> means;
+  std::vector<int> members;    ///< of all means, likewise
+
+  /// For a style that adds blocks of cells, whose rows are below `rows`; the same everywhere, in the
+  /// same order.
+  int add_field(int rows)
+  {
+    nrows = rows;
+    return nfields++;
+  }
 
   void clear()
   {
@@ -111,8 +131,10 @@ class StiffnessSystem {
     contacts.clear();
     hinges.clear();
     cells.clear();
-    nrows = 0;
     nodes.clear();
+    means.clear();
+    members.clear();
+    nrows = nfields = 0;
   }
 
   /// To be called when all blocks are there, and again after any has changed.
@@ -130,6 +152,8 @@ class StiffnessSystem {
            (double) sizeof(RankOne<4>) * hinges.capacity() +
            (double) sizeof(CellBlock) * cells.capacity() +
            (double) sizeof(CellNode) * nodes.capacity() +
+           (double) sizeof(MeanBlock) * means.capacity() +
+           (double) sizeof(int) * members.capacity() +
            (double) sizeof(double) * (mine.capacity() + whole.capacity() + wide.capacity()) +
            (double) sizeof(PackedEdge) * packed_edges.capacity() +
            (double) sizeof(PackedContact) * packed_contacts.capacity() +
@@ -146,7 +170,7 @@ class StiffnessSystem {
     for (const auto &b : packed_edges) power += b.product(dt, p, y);
     for (const auto &b : packed_contacts) power += b.product(dt, p, y);
     for (const auto &b : packed_hinges) power += b.product(dt, p, y);
-    if (nrows > 0 || !cells.empty()) power += apply_cells(dt, p, y, comm);
+    if (nfields > 0 || !cells.empty()) power += apply_cells(dt, p, y, comm);
     for (int k = 0; k < STRIDE; k++) y[k] = 0.0;    // slot 0 is fixed
     for (std::size_t i = 1; i < n; i++) y[STRIDE * i + 3] = 0.0;
     return power;
@@ -161,6 +185,9 @@ class StiffnessSystem {
     for (const auto &b : cells)
       for (std::size_t i = b.begin; i < b.end; i++)
         add_symmetric(d + 6 * (std::size_t) nodes[i].n, dt * b.c, nodes[i].g);
+    for (const auto &b : means)
+      for (std::size_t i = b.begin; i < b.end; i++)
+        d[6 * (std::size_t) members[i] + b.axis] += dt * b.c * b.share * b.share;
     for (int k = 0; k < 6; k++) d[k] = 0.0;
   }
 
@@ -168,8 +195,10 @@ class StiffnessSystem {
   std::vector<PackedEdge> packed_edges;
   std::vector<PackedContact> packed_contacts;
   std::vector<PackedHinge> packed_hinges;
-  std::vector<double> mine, whole, wide;    // G . p: of this process, per block; of all, per row
-                                            // and per block without one
+  int nrows = 0, nfields = 0;
+  std::vector<double> mine, whole, wide;    // what a block makes of p: of this process, per block
+                                            // (cells, then means); of all, per row and field, and
+                                            // per block without a row
 
   template <class Block, class Packed>
   static void pack(const std::vector<Block> &blocks, std::vector<Packed> &packed)
@@ -182,30 +211,49 @@ class StiffnessSystem {
   template <class Communicator>
   double apply_cells(double dt, const double *p, double *y, Communicator &comm)
   {
-    mine.assign(cells.size(), 0.0);
-    whole.resize(nrows);
+    mine.assign(cells.size() + means.size(), 0.0);
+    whole.resize((std::size_t) nrows * nfields);
     wide.clear();
-    for (std::size_t c = 0; c < cells.size(); c++) {
-      for (std::size_t i = cells[c].begin; i < cells[c].end; i++)
-        for (int k = 0; k < 3; k++)
-          mine[c] += nodes[i].g[k] * p[STRIDE * (std::size_t) nodes[i].n + k];
-      if (cells[c].row < 0)
-        wide.push_back(mine[c]);
+    double *m = mine.data();
+    for (const auto &b : cells) {
+      for (std::size_t i = b.begin; i < b.end; i++)
+        for (int k = 0; k < 3; k++) *m += nodes[i].g[k] * p[STRIDE * (std::size_t) nodes[i].n + k];
+      if (b.row < 0)
+        wide.push_back(*m);
       else
-        whole[cells[c].row] = mine[c];
+        whole[place(b)] = *m;
+      m++;
     }
-    if (nrows > 0) comm.sum_cells(whole.data());
+    for (const auto &b : means) {
+      for (std::size_t i = b.begin; i < b.end; i++)
+        *m += p[STRIDE * (std::size_t) members[i] + b.axis];
+      *m *= b.share;
+      whole[place(b)] = *m++;
+    }
+    if (nfields > 0) comm.sum_cells(whole.data(), nfields);
     if (!wide.empty()) comm.sum(wide.data(), (int) wide.size());
 
     double power = 0.0;
     std::size_t next = 0;
-    for (std::size_t c = 0; c < cells.size(); c++) {
-      const double f = dt * cells[c].c * (cells[c].row < 0 ? wide[next++] : whole[cells[c].row]);
-      for (std::size_t i = cells[c].begin; i < cells[c].end; i++)
+    m = mine.data();
+    for (const auto &b : cells) {
+      const double f = dt * b.c * (b.row < 0 ? wide[next++] : whole[place(b)]);
+      for (std::size_t i = b.begin; i < b.end; i++)
         for (int k = 0; k < 3; k++) y[STRIDE * (std::size_t) nodes[i].n + k] += f * nodes[i].g[k];
-      power += f * mine[c];
+      power += f * *m++;
+    }
+    for (const auto &b : means) {
+      const double f = dt * b.c * whole[place(b)];
+      for (std::size_t i = b.begin; i < b.end; i++)
+        y[STRIDE * (std::size_t) members[i] + b.axis] += f * b.share;
+      power += f * *m++;
     }
     return power;
+  }
+
+  template <class Block> std::size_t place(const Block &b) const
+  {
+    return (std::size_t) b.row * nfields + b.field;
   }
 };
 
