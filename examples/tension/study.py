@@ -25,6 +25,7 @@ PRINTED = {
     "radius": f"contact radius {NUMBER} um",
     "expected": f"Young and Dupre: +{NUMBER}",
     "by_shape": f"length and volume: +{NUMBER}",
+    "by_nodes": f"ball of nodes: +{NUMBER}",
     "by_area": f"area in contact: +{NUMBER}",
 }
 COLUMNS = ["law", "nodes", "w", "seed", "settings", *PRINTED, "note"]

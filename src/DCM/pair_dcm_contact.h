@@ -57,7 +57,7 @@ class PairDCMContact : public Pair, public DCMRole {
     bigint pairs = 0;             // pairs in the neighbor list
     bigint contacts = 0;          // of them in contact
     double area = 0.0;            // total contact area
-    double overlap = 0.0;         // largest overlap of faces right in front of each other
+    double overlap = 0.0;         // largest overlap of two faces, in steps in which it is output
     double share = 0.0;           // largest part of what the smaller cell bears
     double deepest = 0.0;         // that overlap
     tagint deep[2] = {0, 0};      // and between which cells
@@ -160,10 +160,11 @@ class PairDCMContact : public Pair, public DCMRole {
   // a run continues unchanged
 
   struct Settings {
-    int law = FOUNDATION, history = 0, points = 2, concave = 0, h0_auto = 1;
+    int law = FOUNDATION, history = 0, points = 2, concave = 0, h0_auto = 1, spreading = 0;
     double h0 = 0.35, rmax = 10.0;
     double range = 0.0, maxoverlap = 0.0;    // 0: choose
     double growth = 0.0;                     // of radii, 0: choose
+    double facing[2] = {dcm::FACING_NONE, dcm::FACING_FULL};    // cosines
   } set;
   double h0_used = 0.0, range_used = 0.0, overlap_used = 0.0;
   double own_cutoff = 0.0;         // ghost cutoff set here
@@ -200,7 +201,7 @@ class PairDCMContact : public Pair, public DCMRole {
   bool any_apparent, use_history;
   unsigned traits_of_deck = 0U;
   bool want_stress, want_partners, want_blocks;    // in this step
-  bool want_virial = false, want_stiffness = false;
+  bool want_virial = false, want_stiffness = false, want_overlap = false;
   double mean_edge, cell_radius;    // at the start of the run; largest deformable cell
   double largest_edge = 0.0;        // largest mean edge of a cell
   bigint built, checked_step, checked_atoms;
@@ -272,6 +273,9 @@ class PairDCMContact : public Pair, public DCMRole {
   template <class State, bool HISTORY, bool SLOPE> void compute_cells();
   template <class State, bool HISTORY, bool SLOPE> void compute_faces();
   template <class State, bool HISTORY, bool SLOPE> void compute_mixed();
+  double looks(double cosine) const { return dcm::facing(cosine, set.facing[0], set.facing[1]); }
+  void spread_along(const dcm::FaceGeometry &, const int *, double, double, double,
+                    const dcm::Vec3 &);
   void compute_moduli();
   void compute_spheres(int);
   template <bool SISTERS, bool SLOPE> void sphere_contacts(int);
@@ -288,8 +292,9 @@ class PairDCMContact : public Pair, public DCMRole {
   bool has_fix_cell() const;
   static double round_up(double);
   bool deep_inside(const dcm::Vec3 &, int, double);
+  bool deep_in_each_other(int, const dcm::Vec3 &, int, const dcm::Vec3 &, double);
   bool ran_into(int, int, const dcm::Vec3 &, double);
-  void note_overlap(int, int, const dcm::Vec3 &, double, double);
+  void note_overlap(int, int, const dcm::Vec3 &, double);
   bool swallowed(int, int);
   [[noreturn]] void fail_pair(int, int, double, double, double);
 };
