@@ -13,9 +13,11 @@
 #include "atom.h"
 #include "comm.h"
 #include "dcm_slots.h"
+#include "dcm_text.h"
 #include "error.h"
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <memory>
 
@@ -192,6 +194,46 @@ void AtomVecDCM::data_atom_post(int ilocal)
 void AtomVecDCM::unpack_restart_init(int ilocal)
 {
   data->bonded[ilocal] = stamp(atom, ilocal);
+}
+
+/* ----------------------------------------------------------------------
+   in a restart file each atom has a checksum behind it, so that a damaged one is refused
+------------------------------------------------------------------------- */
+
+static double checksum_of(const double *buf, int n)
+{
+  return ubuf((int64_t) dcm_checksum(buf, n * sizeof(double))).d;
+}
+
+int AtomVecDCM::size_restart()
+{
+  return AtomVec::size_restart() + atom->nlocal;
+}
+
+int AtomVecDCM::pack_restart(int i, double *buf)
+{
+  const int n = AtomVec::pack_restart(i, buf);
+  buf[0] = n + 1;
+  buf[n] = checksum_of(buf, n);
+  return n + 1;
+}
+
+int AtomVecDCM::unpack_restart(double *buf)
+{
+  // length, x, id, type, mask, image, v: what the buffer holds at least
+
+  const int n = (int) buf[0] - 1;
+  double sum = 0.0;
+  if (n >= 11) sum = checksum_of(buf, n);
+  if (n < 11 || memcmp(&sum, &buf[n], sizeof(double)) != 0)
+    error->one(FLERR,
+               "Atom style dcm: an atom in the restart file is damaged, or written by a version of "
+               "the package without checksums; use an earlier restart file, or start from a data "
+               "file");
+  buf[0] = n;    // what is left at the end belongs to fixes
+  const int read = AtomVec::unpack_restart(buf);
+  buf[0] = n + 1;
+  return read + 1;
 }
 
 // num_bond counts the new bond already

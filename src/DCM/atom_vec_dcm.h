@@ -58,6 +58,9 @@ class AtomVecDCM : public AtomVec {
   int property_atom(const std::string &) override;
   void pack_property_atom(int, double *, int, int) override;
   void unpack_restart_init(int) override;
+  int size_restart() override;
+  int pack_restart(int, double *) override;
+  int unpack_restart(double *) override;
 
   // the state of the running atom style; an error naming the asking style if there is none
 

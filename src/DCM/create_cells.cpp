@@ -80,6 +80,7 @@ void CreateCells::command(int narg, char **arg)
                  request.deformable ? "dcm" : "cbm", request.name,
                  request.deformable ? "Tcenter Tnode Tface Tbond Tdihedral" : "Tsphere");
     deformable = deformable || request.deformable;
+    check_place(request);
   }
   if (deformable) builder.reserve_slots(top.slots);
 
@@ -240,6 +241,20 @@ double CreateCells::number(const std::string &where, const std::string &text) co
   const double value = utils::numeric(FLERR, text, false, lmp);
   if (!std::isfinite(value)) error->all(FLERR, "Create_cells: {}: {} is not finite", where, text);
   return value;
+}
+
+// LAMMPS puts an atom back into a periodic box by one box length after the other
+
+void CreateCells::check_place(const Request &request) const
+{
+  dcm_check_point(lmp, "Create_cells", "cell at", request.x.data());
+  if (!request.deformable) return;
+  for (int k = 0; k < 3; k++)
+    if (domain->periodicity[k] && request.radius > domain->prd[k])
+      error->all(FLERR,
+                 "Create_cells: a cell of radius {} does not fit into the periodic box, which is "
+                 "{:.4g} long in {}; it must be at least two cells wide",
+                 request.radius, domain->prd[k], "xyz"[k]);
 }
 
 /* ----------------------------------------------------------------------

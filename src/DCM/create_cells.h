@@ -53,6 +53,7 @@ class CreateCells : public Command {
   void read_table(const std::string &);
   void add_request(const std::vector<std::string> &, const std::string &);
   void parse_keywords(class DCMArgs &);
+  void check_place(const Request &) const;
   DCMCellBuilder::Deformable shape(const Request &, tagint) const;
   double number(const std::string &, const std::string &) const;
 };

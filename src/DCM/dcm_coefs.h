@@ -11,12 +11,13 @@
 #define LMP_DCM_COEFS_H
 
 #include "dcm_parameters.h"
+#include "dcm_record.h"
 
-#include "comm.h"
 #include "error.h"
 #include "utils.h"
 
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -68,8 +69,7 @@ template <class Coef> class DCMCoefs : protected Pointers {
   void write_data(FILE *);
 
  private:
-  // section of a restart file: these two, then per type numbers, choices and the cell type
-  static constexpr int MAGIC = 0x434d4344, VERSION = 1;    // "DCMC"
+  static constexpr int RECORD = 2;    // version of the record in restart files
 
   struct Entry {
     Coef coef;
@@ -88,8 +88,11 @@ template <class Coef> class DCMCoefs : protected Pointers {
 template <class Coef> void DCMCoefs<Coef>::parse(int narg, char **arg, int *setflag)
 {
   if (narg < 1) error->all(FLERR, "{}: expected a type and a cell type", asking);
-  int ilo, ihi;
-  utils::bounds(FLERR, arg[0], 1, count(), ilo, ihi, error);
+  int ilo = -1, ihi = -1;
+  if (strlen(arg[0]) < 12) utils::bounds(FLERR, arg[0], 1, count(), ilo, ihi, nullptr);
+  if (ilo < 1 || ihi > count() || ilo > ihi)
+    error->all(FLERR, "{}: type is {}, must be one of the {} types of the box, or a range of them",
+               asking, arg[0], count());
 
   Entry entry;
   auto fields = entry.coef.fields();
@@ -147,52 +150,31 @@ template <class Coef> void DCMCoefs<Coef>::resolve()
 
 template <class Coef> void DCMCoefs<Coef>::write_restart(FILE *fp)
 {
-  const int head[2] = {MAGIC, VERSION};
-  fwrite(head, sizeof(int), 2, fp);
+  DCMRecord record(lmp, asking, RECORD);
   for (int i = 1; i <= count(); i++) {
-    std::vector<double> numbers;
-    std::vector<int> choices;
-    for (const auto &field : entries[i].coef.fields()) {
+    for (const auto &field : entries[i].coef.fields())
       if (field.number)
-        numbers.push_back(*field.number);
+        record.put(*field.number);
       else
-        choices.push_back(*field.choice);
-    }
-    choices.push_back((int) entries[i].name.size());
-    fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
-    fwrite(choices.data(), sizeof(int), choices.size(), fp);
-    fwrite(entries[i].name.data(), sizeof(char), entries[i].name.size(), fp);
+        record.put(*field.choice);
+    record.put(entries[i].name);
   }
+  record.write_plain(fp);
 }
 
 template <class Coef> void DCMCoefs<Coef>::read_restart(FILE *fp)
 {
-  auto read = [&](void *to, size_t size, int n) {
-    if (comm->me == 0) utils::sfread(FLERR, to, size, n, fp, nullptr, error);
-    MPI_Bcast(to, (int) size * n, MPI_BYTE, 0, world);
-  };
-  int head[2];
-  read(head, sizeof(int), 2);
-  if (head[0] != MAGIC || head[1] != VERSION)
-    error->all(FLERR,
-               "{}: the restart file holds coefficients in {}, this version of the package reads "
-               "version {}; continue with the version that wrote it, or let that one write a data "
-               "file (write_data) and start from it",
-               asking,
-               head[0] == MAGIC ? fmt::format("version {} of their form", head[1])
-                                : std::string("an old or foreign form"),
-               VERSION);
+  DCMRecord record(lmp, asking, RECORD);
+  record.read_plain(fp);
   for (int i = 1; i <= count(); i++) {
     Entry &entry = entries[i];
-    int size = 0;
     auto fields = entry.coef.fields();
     for (auto &field : fields)
-      if (field.number) read(field.number, sizeof(double), 1);
-    for (auto &field : fields)
-      if (field.choice) read(field.choice, sizeof(int), 1);
-    read(&size, sizeof(int), 1);
-    entry.name.resize(size);
-    read(&entry.name[0], sizeof(char), size);
+      if (field.number)
+        record.get(*field.number);
+      else
+        record.get(*field.choice);
+    record.get(entry.name);
     derive(entry);
   }
 }

@@ -10,14 +10,16 @@
 #include "dcm_record.h"
 
 #include "comm.h"
+#include "dcm_text.h"
 #include "error.h"
 #include "utils.h"
 
 #include <algorithm>
+#include <cstddef>
 
 using namespace LAMMPS_NS;
 
-static constexpr char MAGIC[8] = {'D', 'C', 'M', '-', 'r', 'e', 'c', '\n'};
+static constexpr char MAGIC[8] = {'D', 'C', 'M', '-', 'r', 'e', '2', '\n'};
 
 DCMRecord::DCMRecord(LAMMPS *lmp, const std::string &_style, int _version) :
     Pointers(lmp), style(_style), version(_version)
@@ -33,6 +35,8 @@ DCMRecord::Header DCMRecord::header() const
   memcpy(head.style, style.data(), std::min(style.size(), sizeof(head.style) - 1));
   head.version = version;
   head.size = (std::int64_t) bytes.size();
+  head.checksum = dcm_checksum(bytes.data(), bytes.size());
+  head.own = dcm_checksum(&head, offsetof(Header, own));
   return head;
 }
 
@@ -40,17 +44,27 @@ void DCMRecord::check_header(const Header &head) const
 {
   const Header mine = header();
   if (memcmp(head.magic, mine.magic, sizeof(MAGIC)) != 0 ||
-      memcmp(head.style, mine.style, sizeof(mine.style)) != 0 || head.size < 0)
+      memcmp(head.style, mine.style, sizeof(mine.style)) != 0)
     error->all(FLERR,
                "{}: its record in the restart file was not written by this style, or by a version "
-               "of the package that did not number its records; run that one, or start from a "
-               "data file",
+               "of the package whose records had no number or no checksum; run that one, or start "
+               "from a data file",
                style);
   if (head.version != version)
     error->all(FLERR,
                "{}: its record in the restart file has version {}, this program reads version {}; "
                "use the version of the package that wrote it, or start from a data file",
                style, head.version, version);
+  check(head.own == dcm_checksum(&head, offsetof(Header, own)) && head.size >= 0);
+}
+
+void DCMRecord::check(bool whole) const
+{
+  if (!whole)
+    error->all(FLERR,
+               "{}: its record in the restart file is damaged; use an earlier restart file, or "
+               "start from a data file",
+               style);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -76,6 +90,7 @@ void DCMRecord::load(const char *buf)
   if (memcmp(head.magic, MAGIC, sizeof(MAGIC)) == 0) memcpy(&head, buf, sizeof(Header));
   check_header(head);
   bytes.assign(buf + sizeof(Header), buf + sizeof(Header) + head.size);
+  check(head.checksum == dcm_checksum(bytes.data(), bytes.size()));
   at = 0;
 }
 
@@ -88,6 +103,7 @@ void DCMRecord::read_plain(FILE *fp)
   bytes.resize(head.size);
   if (comm->me == 0) utils::sfread(FLERR, bytes.data(), 1, bytes.size(), fp, nullptr, error);
   MPI_Bcast(bytes.data(), (int) bytes.size(), MPI_BYTE, 0, world);
+  check(head.checksum == dcm_checksum(bytes.data(), bytes.size()));
   at = 0;
 }
 

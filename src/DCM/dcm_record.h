@@ -23,7 +23,8 @@ namespace LAMMPS_NS {
 
 // The global state of a fix or pair style in a restart file: numbers, vectors and strings in the
 // order in which they are read again, behind a header with the style's name, the version of its
-// record and its size. A record of another version, or of none, ends the run with an error.
+// record, its size and checksums. A record of another version, of none, or one that is damaged
+// ends the run with an error.
 //
 //   DCMRecord record(lmp, STYLE, 2);              DCMRecord record(lmp, STYLE, 2);
 //   record.put(count);                            record.load(buf);
@@ -79,6 +80,7 @@ class DCMRecord : protected Pointers {
   struct Header {
     char magic[8], style[40];
     std::int64_t version, size;
+    std::uint64_t checksum, own;    // of the bytes that follow; of the header up to here
   };
   std::string style;
   std::int64_t version;
@@ -87,6 +89,7 @@ class DCMRecord : protected Pointers {
 
   Header header() const;
   void check_header(const Header &) const;
+  void check(bool whole) const;
   void check_left(std::int64_t n, size_t size) const;
   void append(const void *, size_t);
   void extract(void *, size_t);

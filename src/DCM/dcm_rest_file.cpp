@@ -102,21 +102,14 @@ static std::vector<RestValue> collect(const Atom *atom, const DCMAtoms *dcm)
 }
 
 /* ----------------------------------------------------------------------
-   the last line of a file: what is in it, and a sum (FNV-1a) over all lines before, so that one
-that was cut short or changed is known
+   the last line of a file: what is in it, and a checksum of all lines before, so that one that was
+   cut short or changed is known
 ------------------------------------------------------------------------- */
-
-static uint64_t checksum(const std::string &text)
-{
-  uint64_t sum = 0xcbf29ce484222325ULL;
-  for (const unsigned char c : text) sum = (sum ^ c) * 0x100000001b3ULL;
-  return sum;
-}
 
 static std::string last_line(const Count &count, const std::string &text)
 {
   return fmt::format("{} {} edges, {} hinges, checksum {:016x}\n", LAST, count.edges, count.hinges,
-                     checksum(text));
+                     dcm_checksum(text.data(), text.size()));
 }
 
 void LAMMPS_NS::dcm_write_rest_file(LAMMPS *lmp, const std::string &file)

@@ -12,11 +12,33 @@
 
 #include "utils.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 using namespace LAMMPS_NS;
 namespace fs = std::filesystem;
+
+bool LAMMPS_NS::dcm_read_text(Comm *comm, MPI_Comm world, const std::string &path,
+                              std::string &text)
+{
+  int good = 1;
+  if (comm->me == 0) {
+    text.clear();
+    FILE *const fp = fopen(path.c_str(), "r");
+    if (fp) {
+      char part[1 << 16];
+      for (size_t n; (n = fread(part, 1, sizeof(part), fp)) > 0;) text.append(part, n);
+    }
+    good = fp && !ferror(fp) && text.size() < (size_t) MAXSMALLINT;
+    if (fp) fclose(fp);
+    if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
+    if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
+  }
+  MPI_Bcast(&good, 1, MPI_INT, 0, world);
+  if (good) dcm_bcast(world, text);
+  return good;
+}
 
 std::string LAMMPS_NS::dcm_replace_text(const std::string &path, const std::string &text)
 {
@@ -40,6 +62,14 @@ std::string LAMMPS_NS::dcm_replace_text(const std::string &path, const std::stri
   if (failed) fault = failed.message();
   if (!fault.empty()) fs::remove(name, none);
   return fault;
+}
+
+std::uint64_t LAMMPS_NS::dcm_checksum(const void *data, std::size_t size)
+{
+  std::uint64_t sum = 0xcbf29ce484222325ULL;
+  const auto *const bytes = static_cast<const unsigned char *>(data);
+  for (std::size_t i = 0; i < size; i++) sum = (sum ^ bytes[i]) * 0x100000001b3ULL;
+  return sum;
 }
 
 void LAMMPS_NS::dcm_bcast(MPI_Comm world, std::string &text, int root)

@@ -17,38 +17,25 @@
 
 #include "comm.h"
 
-#include <algorithm>
-#include <fstream>
-#include <iterator>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 
 namespace LAMMPS_NS {
 
-// false on all ranks if rank 0 cannot open the file; only rank 0 looks at path
+// false on all ranks if rank 0 cannot open and read the file, a folder for instance; only rank 0
+// looks at path
 
-inline bool dcm_read_text(Comm *comm, MPI_Comm world, const std::string &path, std::string &text)
-{
-  bigint size = -1;
-  if (comm->me == 0) {
-    std::ifstream in(path);
-    if (in) {
-      text.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-      if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
-      if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
-      size = (bigint) text.size();
-    }
-  }
-  MPI_Bcast(&size, 1, MPI_LMP_BIGINT, 0, world);
-  if (size < 0) return false;
-  text.resize(size);
-  MPI_Bcast(&text[0], (int) size, MPI_CHAR, 0, world);
-  return true;
-}
+bool dcm_read_text(Comm *comm, MPI_Comm world, const std::string &path, std::string &text);
 
 // write a file whole or not at all: a full disk leaves the old one. By one rank; the fault that
 // kept it from being written, "" if none did
 
 std::string dcm_replace_text(const std::string &path, const std::string &text);
+
+// a sum that tells whether data has changed (FNV-1a)
+
+std::uint64_t dcm_checksum(const void *data, std::size_t size);
 
 // give all ranks the text of one
 

@@ -52,11 +52,12 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   maxmove = 0.25;
   least_free = 1e-6;
   implicit = true;
-  automatic = ended = false;
+  automatic = shrinks = ended = false;
   solver.tolerance = 1e-3;
   stop = std::numeric_limits<double>::infinity();
   given = least = longest = 0.0;
   step = wanted = error_of_step = rejected = 0.0;
+  nshort = shortest = 0.0;
 
   DCMArgs args(
       lmp, STYLE, narg - 3, arg + 3,
@@ -75,6 +76,7 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
       solver.precondition = order[args.choose({"block", "jacobi", "none"})];
     } else if (args.is("maxmove")) {
       maxmove = args.number(DCMArgs::POSITIVE);
+      shrinks = args.word("shrink");
     } else if (args.is("scheme")) {
       implicit = args.choose({"explicit", "implicit"}) == 1;
     } else if (args.is("dt")) {
@@ -89,12 +91,15 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
 
   if (automatic && !implicit)
     error->all(FLERR, "{}: dt auto does not go with scheme explicit", STYLE);
+  if (automatic && shrinks)
+    error->all(FLERR, "{}: dt auto shortens steps by itself; leave out shrink behind maxmove {}",
+               STYLE, maxmove);
 
   time_integrate = 1;
-  restart_global = automatic ? 1 : 0;
+  restart_global = automatic || shrinks ? 1 : 0;
   dynamic_group_allow = 0;
   vector_flag = 1;
-  size_vector = automatic ? 12 : 8;
+  size_vector = automatic || shrinks ? 12 : 8;
   global_freq = 1;
   extvector = 0;
   comm_forward = 1;
@@ -120,11 +125,11 @@ void FixDCMMotion::init()
   dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::NODE, AtomVecDCM::SPHERE});
   check_deck();
   roles = DCMRole::of(lmp);
-  if (automatic && (traits_of(lmp) & FIXED_STEP))
+  if ((automatic || shrinks) && (traits_of(lmp) & FIXED_STEP))
     error->all(FLERR,
-               "{}: dt auto does not go with fix dcm/motility, whose random force is drawn for one "
-               "step of a given length; leave dt out and choose a timestep",
-               STYLE);
+               "{}: {} does not go with fix dcm/motility, whose random force is drawn for one step "
+               "of a given length; leave {} out and choose a timestep",
+               STYLE, automatic ? "dt auto" : "maxmove shrink", automatic ? "dt" : "shrink");
   find_friction();
   reset_dt();
   stale = true;
@@ -132,6 +137,12 @@ void FixDCMMotion::init()
   seconds_assembly = seconds_solve = 0.0;
   messages_start = messages.seconds;
   if (automatic) set_step(step > 0.0 ? step : control.round_down(update->dt));
+  nshort = shortest = 0.0;
+  if (shrinks && update->dt != step) {    // the deck's timestep, not what a run had come to
+    given = update->dt;
+    step = wanted = 0.0;
+  }
+  if (shrinks) find_limits();
 }
 
 void FixDCMMotion::check_deck()
@@ -156,9 +167,9 @@ void FixDCMMotion::check_deck()
     if (other->time_integrate && !dynamic_cast<DCMRole *>(other))
       error->all(FLERR, "{} and fix {} ({}) both move atoms; unfix one of them", STYLE, other->id,
                  other->style);
-    if (automatic && utils::strmatch(other->style, "^dt/reset"))
-      error->all(FLERR, "{}: fix {} ({}) changes the time step, and so does dt auto; unfix one",
-                 STYLE, other->id, other->style);
+    if ((automatic || shrinks) && utils::strmatch(other->style, "^dt/reset"))
+      error->all(FLERR, "{}: fix {} ({}) changes the time step, and so does {}; unfix one", STYLE,
+                 other->id, other->style, automatic ? "dt auto" : "maxmove shrink");
     if (later && (modify->get_fix_mask(other) & POST_FORCE)) deferred = true;
   }
 }
@@ -221,6 +232,7 @@ void FixDCMMotion::initial_integrate(int /*vflag*/)
 {
   if (pending) solve(KEEP);
   pending = false;
+  if (shrinks) count_short();
 
   double **x = atom->x, **v = atom->v;
   const double dt = update->dt;
@@ -247,6 +259,8 @@ void FixDCMMotion::solve(double keep)
   const double between = messages.seconds;
   if (automatic) {
     choose_step(keep);
+  } else if (shrinks) {
+    shrink_step(keep);
   } else {
     solve_system(update->dt, keep);
     begin_step(update->dt);
@@ -443,11 +457,14 @@ void FixDCMMotion::check_move()
   MPI_Allreduce(MPI_IN_PLACE, &scale, 1, MPI_DOUBLE, MPI_MAX, world);
   error->all(FLERR,
              "{}: {} {} of cell {} would move by {:.4g} at step {}, {:.3g} of its {} {:.4g}, "
-             "the limit is maxmove {}; use a smaller timestep than {}, larger friction (gamma, "
+             "the limit is maxmove {}; use a smaller timestep than {}{}, larger friction (gamma, "
              "friction_ecm), or raise maxmove",
              STYLE, kind_name(who[2]), who[0], who[1], largest_move * scale, update->ntimestep,
              largest_move, (who[2] == AtomVecDCM::SPHERE) ? "radius" : "mean edge length", scale,
-             maxmove, update->dt);
+             maxmove, shrinks ? given : update->dt,
+             shrinks     ? fmt::format(" (it was tried down to {:.3g})", update->dt)
+             : automatic ? ""
+                         : " (or let such steps become shorter, maxmove X shrink)");
 }
 
 /* ----------------------------------------------------------------------

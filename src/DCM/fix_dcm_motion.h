@@ -84,15 +84,16 @@ class FixDCMMotion : public Fix, public DCMRole {
   std::vector<double> rhs, velocity;    // dcm::STRIDE per slot
   std::vector<double> cell_sums;
 
-  // dt auto
+  // dt auto, and maxmove X shrink
 
   dcm::StepControl control;
-  bool automatic;
+  bool automatic, shrinks;
   double step, wanted;               // its length, and were there no event; 0: not known yet
   double given;                      // timestep of the deck, which comes back with unfix
   double least, longest;             // keywords min and max, 0: from that timestep
   double stop;                       // time at which runs end, infinite: never
   bool ended;                        // that time has come
+  double nshort, shortest;           // steps shorter than the timestep since the start of the run
   double error_of_step, rejected;    // of the coming step; since the start of the run
   std::vector<double> motion, motion_before;    // of cells: 4 numbers per row
   std::vector<RestAhead> ahead;                 // per row, to the end of the coming step
@@ -118,10 +119,13 @@ class FixDCMMotion : public Fix, public DCMRole {
   void look_ahead(double);
   bool solve_system(double, double);
   void choose_step(double);
+  void shrink_step(double);
   double until_event(double);
   void begin_step(double);
   void set_step(double);
   void parse_step(class DCMArgs &);
+  void count_short();
+  void tell_short();
   void find_limits();
   void spread_velocity();
   std::vector<tagint> describe(int);

@@ -72,6 +72,11 @@ void FixDCMMotion::parse_step(DCMArgs &args)
 
 void FixDCMMotion::find_limits()
 {
+  if (shrinks) {
+    control.least = LEAST * given;
+    control.longest = given;
+    return;
+  }
   control.least = least > 0.0 ? least : longest > 0.0 ? std::min(given, longest) : given;
   control.longest = longest > 0.0 ? longest : LONGEST * control.least;
   if (control.least > control.longest)
@@ -82,7 +87,7 @@ void FixDCMMotion::find_limits()
 
 FixDCMMotion::~FixDCMMotion()
 {
-  if (!automatic || !(step > 0.0)) return;
+  if (!(automatic || shrinks) || !(step > 0.0)) return;
   update->update_time();
   update->dt = given;
 }
@@ -197,6 +202,53 @@ void FixDCMMotion::choose_step(double keep)
 }
 
 /* ----------------------------------------------------------------------
+   maxmove X shrink: a step of the deck's length, or a shorter one if a node would move too far in
+   it. Steps that follow one that was shortened become longer by a quarter of an octave each, as
+   long as no node moves too far. The lengths are on a grid, so that round-off does not change one
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::shrink_step(double keep)
+{
+  // a run that goes on does so with the step it had
+
+  if (keep > 0.0 && step > 0.0 && !solve_system(step, keep) && largest_move <= maxmove) {
+    begin_step(step);
+    return;
+  }
+
+  double h = wanted > 0.0 ? wanted : given;
+  while (true) {
+    solve_system(h, 0.0);
+    if (largest_move <= maxmove || control.shortest(h)) break;
+    rejected += 1.0;
+    h = control.round_down(0.8 * h * maxmove / largest_move);
+  }
+  wanted = std::min(given, h * std::exp2(0.25));
+  begin_step(h);
+}
+
+void FixDCMMotion::count_short()
+{
+  if (update->dt > (1.0 - 1e-9) * given) return;
+  if (nshort == 0.0 && comm->me == 0)
+    error->warning(FLERR,
+                   "{}: from step {} on, steps are shorter than the timestep {} where a node would "
+                   "move by more than maxmove {}; count the time with the keyword time",
+                   STYLE, update->ntimestep, given, maxmove);
+  shortest = nshort == 0.0 ? update->dt : std::min(shortest, update->dt);
+  nshort += 1.0;
+}
+
+void FixDCMMotion::tell_short()
+{
+  if (nshort == 0.0 || comm->me != 0) return;
+  utils::logmesg(lmp,
+                 "{}: {:.0f} of {} steps of this run were shorter than the timestep {}, the "
+                 "shortest {:.4g}\n",
+                 STYLE, nshort, update->ntimestep - update->firststep, given, shortest);
+}
+
+/* ----------------------------------------------------------------------
    length of a step that was to be h, so that it does not pass over an event
 ------------------------------------------------------------------------- */
 
@@ -260,6 +312,7 @@ void FixDCMMotion::set_step(double dt)
 
 void FixDCMMotion::post_run()
 {
+  tell_short();
   if (ended) timer->reset_timeout();
   ended = false;
 }

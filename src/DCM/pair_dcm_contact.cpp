@@ -109,6 +109,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   }
   if (any_apparent) compute_moduli();
   compute_spheres(eflag);
+  if (update->setupflag) report_fault();
 
   commmode = SUMS;
   comm->reverse_comm(this, 1 + want_stress + want_virial);

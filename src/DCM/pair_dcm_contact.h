@@ -296,7 +296,13 @@ class PairDCMContact : public Pair, public DCMRole {
   bool ran_into(int, int, const dcm::Vec3 &, double);
   void note_overlap(int, int, const dcm::Vec3 &, double);
   bool swallowed(int, int);
-  [[noreturn]] void fail_pair(int, int, double, double, double);
+  void fail_pair(int, int, double, double, double);
+  void report_fault();
+
+  struct Fault {
+    tagint i = 0, j = 0;    // the lower pair of atoms counts
+    std::string text;
+  } first_fault;    // of setup, in which a fault is one error on all processes
 };
 
 }    // namespace LAMMPS_NS

@@ -19,6 +19,7 @@
 #include "dcm_allgather.h"
 #include "dcm_cell_bins.h"
 #include "dcm_compat.h"
+#include "dcm_text.h"
 #include "law/face_overlap.h"
 #include "law/solid_angle.h"
 #include "law/triangle.h"
@@ -476,29 +477,52 @@ void PairDCMContact::measure_overlap()
   }
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   cells that ran into each other. In a step each process that sees it ends the run; in setup, where
+   all have the time, it is one error, the same on any number of processes
+------------------------------------------------------------------------- */
 
 void PairDCMContact::fail_pair(int i, int j, double depth, double limit, double force)
 {
   if (atom->molecule[i] > atom->molecule[j]) std::swap(i, j);
+  std::string text;
   if (!std::isfinite(force) || !std::isfinite(depth))
-    error->one(FLERR,
-               "Pair style dcm/contact: the contact of cells {} and {} (atoms {} and {}) has force "
-               "{} at step {}; coincident cells, or a timestep too large",
-               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], force,
-               update->ntimestep);
-  if (update->setupflag)
-    error->one(FLERR,
-               "Pair style dcm/contact: cells {} and {} overlap at the start of the run: atoms {} "
-               "and {} by {:.4} at step {}, more than {:.4}; move them apart in the data file or "
-               "the create_cells command, or raise keyword range",
-               atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], overlap,
-               update->ntimestep, limit);
-  error->one(FLERR,
-             "Pair style dcm/contact: cells {} and {} run into each other: atoms {} and {} overlap "
-             "by {:.4} at step {}, more than {:.4}; reduce the timestep or fix dcm/motion maxmove, "
-             "give the cells a stiffer or tenser cortex or a stiffer contact (law foundation), or "
-             "raise keyword range, which counts up to half the radius of the smaller cell",
-             atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], depth,
-             update->ntimestep, limit);
+    text = fmt::format("the contact of cells {} and {} (atoms {} and {}) has force {} at step {}; "
+                       "coincident cells, or a timestep too large",
+                       atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], force,
+                       update->ntimestep);
+  else if (update->setupflag)
+    text = fmt::format(
+        "cells {} and {} overlap at the start of the run: atoms {} and {} by {:.4} at step {}, "
+        "more than {:.4}; move them apart in the data file or the create_cells command, or raise "
+        "keyword range",
+        atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], depth, update->ntimestep,
+        limit);
+  else
+    text = fmt::format(
+        "cells {} and {} run into each other: atoms {} and {} overlap by {:.4} at step {}, more "
+        "than {:.4}; reduce the timestep or fix dcm/motion maxmove, give the cells a stiffer or "
+        "tenser cortex or a stiffer contact (law foundation), or raise keyword range, which counts "
+        "up to half the radius of the smaller cell",
+        atom->molecule[i], atom->molecule[j], atom->tag[i], atom->tag[j], depth, update->ntimestep,
+        limit);
+  if (!update->setupflag) error->one(FLERR, "Pair style dcm/contact: {}", text);
+  const tagint a = atom->tag[i], b = atom->tag[j];
+  if (first_fault.i == 0 || std::tie(a, b) < std::tie(first_fault.i, first_fault.j))
+    first_fault = {a, b, text};
+}
+
+void PairDCMContact::report_fault()
+{
+  tagint mine[2] = {first_fault.i ? first_fault.i : MAXTAGINT, first_fault.j}, lowest[2];
+  MPI_Allreduce(mine, lowest, 1, MPI_LMP_TAGINT, MPI_MIN, world);
+  if (lowest[0] == MAXTAGINT) return;
+  if (mine[0] != lowest[0]) mine[1] = MAXTAGINT;
+  MPI_Allreduce(mine + 1, lowest + 1, 1, MPI_LMP_TAGINT, MPI_MIN, world);
+  int rank = mine[0] == lowest[0] && mine[1] == lowest[1] ? comm->me : comm->nprocs, teller;
+  MPI_Allreduce(&rank, &teller, 1, MPI_INT, MPI_MIN, world);
+  std::string text = first_fault.text;
+  first_fault = Fault();
+  dcm_bcast(world, text, teller);
+  error->all(FLERR, "Pair style dcm/contact: {}", text);
 }

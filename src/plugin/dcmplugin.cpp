@@ -13,9 +13,12 @@
 
 #include "atom.h"
 #include "atom_vec.h"
+#include "force.h"
+#include "input.h"
 #include "lammpsplugin.h"
 #include "library.h"
 #include "lmptype.h"
+#include "modify.h"
 #include "version.h"
 
 #include "dcm_style_headers.h"
@@ -41,6 +44,18 @@ template <class Style> void *create2(void *lmp, int narg, char **arg)
 template <class Style> AtomVec *create_avec(LAMMPS *lmp)
 {
   return new Style(lmp);
+}
+
+// the same with the types of LAMMPS' own tables
+
+template <class Base, class Style> Base *make1(LAMMPS *lmp)
+{
+  return new Style(lmp);
+}
+
+template <class Base, class Style> Base *make2(LAMMPS *lmp, int narg, char **arg)
+{
+  return new Style(lmp, narg, arg);
 }
 
 class Registry {
@@ -125,28 +140,46 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   if (!may_load(lmp)) return;
   Registry registry(lmp, handle, regfunc);
 
+  // LAMMPS lists plugins once per process, and gives those in the list to no second instance: what
+  // an instance lacks goes into its tables directly
+  const auto *const force = ((LAMMPS *) lmp)->force;
+  const auto *const modify = ((LAMMPS *) lmp)->modify;
+  const auto *const input = ((LAMMPS *) lmp)->input;
+
 #define BOND_CLASS
-#define BondStyle(key, Class) registry.style1("bond", #key, create1<Class>)
+#define BondStyle(key, Class)                    \
+  registry.style1("bond", #key, create1<Class>); \
+  force->bond_map->emplace(#key, make1<Bond, Class>);
 #include "dcm_style_headers.h"
 #undef BOND_CLASS
 #define DIHEDRAL_CLASS
-#define DihedralStyle(key, Class) registry.style1("dihedral", #key, create1<Class>)
+#define DihedralStyle(key, Class)                    \
+  registry.style1("dihedral", #key, create1<Class>); \
+  force->dihedral_map->emplace(#key, make1<Dihedral, Class>);
 #include "dcm_style_headers.h"
 #undef DIHEDRAL_CLASS
 #define PAIR_CLASS
-#define PairStyle(key, Class) registry.style1("pair", #key, create1<Class>)
+#define PairStyle(key, Class)                    \
+  registry.style1("pair", #key, create1<Class>); \
+  force->pair_map->emplace(#key, make1<Pair, Class>);
 #include "dcm_style_headers.h"
 #undef PAIR_CLASS
 #define FIX_CLASS
-#define FixStyle(key, Class) registry.style2("fix", #key, create2<Class>)
+#define FixStyle(key, Class)                    \
+  registry.style2("fix", #key, create2<Class>); \
+  modify->fix_map->emplace(#key, make2<Fix, Class>);
 #include "dcm_style_headers.h"
 #undef FIX_CLASS
 #define COMPUTE_CLASS
-#define ComputeStyle(key, Class) registry.style2("compute", #key, create2<Class>)
+#define ComputeStyle(key, Class)                    \
+  registry.style2("compute", #key, create2<Class>); \
+  modify->compute_map->emplace(#key, make2<Compute, Class>);
 #include "dcm_style_headers.h"
 #undef COMPUTE_CLASS
 #define COMMAND_CLASS
-#define CommandStyle(key, Class) registry.style1("command", #key, create1<Class>)
+#define CommandStyle(key, Class)                    \
+  registry.style1("command", #key, create1<Class>); \
+  input->command_map->emplace(#key, make1<Command, Class>);
 #include "dcm_style_headers.h"
 #undef COMMAND_CLASS
 

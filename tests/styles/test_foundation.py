@@ -99,8 +99,9 @@ def test_layers_of_two_types(lmp, scenes):
 
 @pytest.mark.parametrize("np_", [1, 2, 3, 4])
 def test_force_of_spheres_and_pull_off(lmp, scenes, np_):
-    """Nodes on exact spheres: pi k R delta^2 - 2 pi W R, most negative at first touch, within the
-    1e-3 of radii fitted to a mesh of 162 nodes."""
+    """Nodes on exact spheres: the stress of the law over their gap (pi k R delta^2 - 2 pi W R for
+    spheres that are large against h0), most negative at first touch, within the 1e-3 of radii
+    fitted to a mesh of 162 nodes, of both attraction and repulsion."""
     R, h0 = 6.0, 0.4
     shifts = [-0.35, -0.2, 0.0, 0.05, 0.2] if np_ == 1 else [0.0, 0.05]
     scene = scenes.Scene((30.0, 15.0, 15.0), "p p p", level=2)
@@ -119,12 +120,16 @@ def test_force_of_spheres_and_pull_off(lmp, scenes, np_):
         at = overlap
     forces = [-row["v_f"] for row in lmp(deck, np=np_).thermo]
     k, Re = stiffness(0.25), R / 2
+    strength = k * h0 * (1 - math.sqrt(1 - 2 * W / (k * h0**2)))
     for overlap, force in zip(shifts, forces, strict=True):
-        if overlap < 0:
-            expected = -2 * math.pi * Re * W / h0 * (h0 + overlap)
-        else:
-            expected = math.pi * k * Re * overlap**2 - 2 * math.pi * W * Re
-        assert force == pytest.approx(expected, abs=3e-3 * 2 * math.pi * W * Re)
+        # at local overlap o: surfaces at height (2 R - overlap + o)/2 over the spheres' middles
+        width = (overlap + h0) / 10000
+        local = [overlap - width * (i + 0.5) for i in range(10000)]
+        expected = sum(
+            max(k * o, -strength) * math.pi * (2 * R - overlap + o) / 2 * width for o in local
+        )
+        parts = 2 * math.pi * W * Re + math.pi * k * Re * max(0.0, overlap) ** 2
+        assert force == pytest.approx(expected, abs=3e-3 * parts)
     if np_ == 1:
         assert min(forces) == forces[shifts.index(0.0)]
 

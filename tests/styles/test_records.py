@@ -7,9 +7,9 @@ import pytest
 from support.cycle_decks import growth
 from support.parameters import FILES, PLAIN
 
-MAGIC = b"DCM-rec\n"
-# magic, name of the style, version, size: dcm_record.h
-HEADER = struct.Struct("<8s40sqq")
+MAGIC = b"DCM-re2\n"
+# magic, name of the style, version, size, checksums of the data and of this header: dcm_record.h
+HEADER = struct.Struct("<8s40sqqQQ")
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def records(data):
     """Style -> place of its header."""
     found, at = {}, data.find(MAGIC)
     while at >= 0:
-        _, style, version, size = HEADER.unpack_from(data, at)
+        _, style, version, size, _, _ = HEADER.unpack_from(data, at)
         assert version >= 1 and 0 <= size <= len(data)
         found[style.rstrip(b"\0").decode()] = at
         at = data.find(MAGIC, at + 1)
@@ -141,3 +141,42 @@ def test_error_on_all_ranks(lmp, written, np_):
     assert result.returncode != 0
     assert result.out.count("ERROR: ") == 1, result.tail()
     assert "Fix dcm/cell: its record in the restart file has version 2" in result.error
+
+
+@pytest.mark.parametrize("np_", [1, 3])
+@pytest.mark.parametrize("where", ["size", "data", "last byte"])
+@pytest.mark.parametrize("style", STYLES)
+def test_damaged(lmp, written, style, where, np_):
+    """One bit of a record has changed: what the checksum is for."""
+    if np_ > 1 and style != "cell":
+        pytest.skip("all records are read by the same code")
+    style = f"Fix dcm/{style}"
+
+    def change(data):
+        at = records(written[0])[style]
+        size = HEADER.unpack_from(data, at)[3]
+        place = {"size": 57, "data": HEADER.size, "last byte": HEADER.size + size - 1}[where]
+        data[at + place] ^= 4
+
+    data, deck = bytearray(written[0]), written[1]
+    change(data)
+    (lmp.folder / "changed").mkdir()
+    path = lmp.folder / "changed" / "r.2"
+    path.write_bytes(data)
+    error = the_error(lmp.run(deck, np=np_, files={**FILES, "r.2": path}))
+    assert f"{style}: its record in the restart file is damaged" in error
+    assert "use an earlier restart file" in error
+
+
+@pytest.mark.parametrize("np_", [1, 2])
+@pytest.mark.parametrize("back", [401, 1013, 4001])
+def test_damaged_atom(lmp, written, back, np_):
+    """One bit of an atom has changed; the file ends with the atoms."""
+    data, deck = bytearray(written[0]), written[1]
+    data[-back] ^= 1
+    (lmp.folder / "changed").mkdir()
+    path = lmp.folder / "changed" / "r.2"
+    path.write_bytes(data)
+    result = lmp.run(deck, np=np_, files={**FILES, "r.2": path})
+    assert result.returncode != 0 and not result.thermo, result.tail()
+    assert "Atom style dcm: an atom in the restart file is damaged" in result.error, result.tail()

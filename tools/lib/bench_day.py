@@ -4,6 +4,7 @@ import argparse
 import os
 import re
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -92,6 +93,7 @@ def main():
     lmp = [os.environ["DCM_LMP"]]
     if args.np > 1:
         lmp = [os.environ.get("DCM_MPIEXEC", "mpirun"), "-np", str(args.np), *lmp]
+    sys.stdout.reconfigure(line_buffering=True)
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         for file in (ROOT / "examples/bile_duct_day").iterdir():
