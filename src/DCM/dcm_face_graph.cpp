@@ -86,7 +86,7 @@ void DCMFaceGraph::collect(double range)
   space.faces.clear();
   for (int f = 0; f < (int) cell->faces().size(); f++) {
     const auto &it = cell->faces()[f];
-    if (it.v[0] < 0 || it.v[1] < 0 || it.v[2] < 0) continue;    // too far away
+    if (!it.whole()) continue;    // too far away
     dcm::FloodFace face;
     for (int k = 0; k < 3; k++) {
       face.corner[k] = vec(x[it.v[k]]);

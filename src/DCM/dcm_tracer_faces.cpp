@@ -40,7 +40,7 @@ void DCMTracerFaces::load(int f)
   dcm::TracerFace &face = faces[f];
   const auto &from = cell->faces()[f];
   const int i = from.atom;
-  face.known = from.v[0] >= 0 && from.v[1] >= 0 && from.v[2] >= 0;
+  face.known = from.whole();
   if (!face.known) return;
   for (int k = 0; k < 3; k++) face.corner[k] = dcm::vec(atom->x[from.v[k]]);
   face.measure();

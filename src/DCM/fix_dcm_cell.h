@@ -45,6 +45,9 @@ class FixDCMCell : public Fix {
     int cell;    // row of the table of cells
     bool torn = false;    // of a ghost at the border of what is known here: a vertex is another
                           // periodic image than the face is
+
+    // are all vertices known, in the image of the face? Always so for owned faces.
+    bool whole() const { return v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && !torn; }
   };
 
   FixDCMCell(class LAMMPS *, int, char **);

@@ -99,7 +99,7 @@ void FixDCMCell::measure_faces()
   double **x = atom->x;
   for (size_t f = 0; f < face_list.size(); f++) {
     const Face &face = face_list[f];
-    if (face.v[0] < 0 || face.v[1] < 0 || face.v[2] < 0 || face.torn) continue;
+    if (!face.whole()) continue;
     const Vec3 a = vec(x[face.v[0]]), b = vec(x[face.v[1]]), c = vec(x[face.v[2]]);
     face_area[f] = dcm::face_area_vector(a, b, c).norm();
     vec(x[face.atom]) = (a + b + c) / 3.0;

@@ -267,6 +267,7 @@ class PairDCMContact : public Pair, public DCMRole {
   void sort_pairs();
   void add_pair(int, int, int *);
   void check_radii();
+  [[noreturn]] void fail_radius(int, double, double);
   void make_faces();
   void find_candidates();
   template <class State, bool HISTORY> static constexpr std::array<Contacts, 2> contacts_of();

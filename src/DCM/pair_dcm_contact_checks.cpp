@@ -295,11 +295,8 @@ bool PairDCMContact::deep_inside(const Vec3 &x, int cell, double least)
   const auto &faces = fix_cell->faces();
   if (faces_of_cell.empty()) {
     faces_of_cell.resize(fix_cell->cells().size());
-    for (size_t f = 0; f < faces.size(); f++) {
-      const int *v = faces[f].v;
-      if (faces[f].cell >= 0 && v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && !faces[f].torn)
-        faces_of_cell[faces[f].cell].push_back((int) f);
-    }
+    for (size_t f = 0; f < faces.size(); f++)
+      if (faces[f].cell >= 0 && faces[f].whole()) faces_of_cell[faces[f].cell].push_back((int) f);
   }
   double *const *const at = atom->x;
   dcm::SurfaceDistance nearest;

@@ -138,16 +138,52 @@ void PairDCMContact::check_radii()
                  "started without any and without a fix that makes cells, such as dcm/division or "
                  "dcm/convert; start a new run once it is there",
                  name, atom->tag[i], atom->molecule[i], update->ntimestep);
-    if (atom->radius[i] > info.promise)
-      error->one(FLERR,
-                 "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step "
-                 "{}, beyond the {:.4} that the neighbor list is laid out for; look for a mesh "
-                 "that falls apart, or continue from before with a larger growth: 'pair_style "
-                 "dcm/contact ... growth {:.4}' and the same pair_coeff",
-                 name, atom->tag[i], atom->molecule[i], atom->radius[i], update->ntimestep,
-                 info.promise,
-                 1.25 * (set.growth > 0.0           ? set.growth
-                         : kind == AtomVecDCM::FACE ? FACE_GROWTH
-                                                    : sphere_growth));
   }
+
+  // the list holds pairs up to the sum of two radii: the two largest of each type count, so that one
+  // stretched face among others as they were loses nothing
+
+  struct Largest {
+    double radius[2] = {0.0, 0.0};
+    int atom = -1;
+  };
+  std::vector<Largest> largest(atom->ntypes + 1);
+  for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
+    const int kind = dcm->kind[i];
+    if (kind != AtomVecDCM::FACE && kind != AtomVecDCM::SPHERE) continue;
+    auto &two = largest[atom->type[i]];
+    const double radius = atom->radius[i];
+    if (two.atom >= 0 && atom->tag[i] == atom->tag[two.atom]) continue;    // an image of it
+    if (radius > two.radius[0]) {
+      two.radius[1] = two.radius[0];
+      two.radius[0] = radius;
+      two.atom = i;
+    } else {
+      two.radius[1] = std::max(two.radius[1], radius);
+    }
+  }
+  for (int s = 1; s <= atom->ntypes; s++)
+    for (int t = 1; t <= atom->ntypes; t++) {
+      const Largest &a = largest[s], &b = largest[t];
+      if (a.atom < 0 || b.atom < 0 || !types[s].used || !types[t].used) continue;
+      const double sum = a.radius[0] + b.radius[s == t];
+      if (sum > types[s].promise + types[t].promise && a.radius[0] > types[s].promise)
+        fail_radius(a.atom, sum, types[s].promise + types[t].promise);
+    }
+}
+
+void PairDCMContact::fail_radius(int i, double sum, double limit)
+{
+  const TypeInfo &info = types[atom->type[i]];
+  const int kind = dcm->kind[i];
+  error->one(FLERR,
+             "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step {}, "
+             "beyond the {:.4} that the neighbor list is laid out for, and with another the sum {:.4}, "
+             "beyond {:.4}; look for a mesh that falls apart, or continue from before with a larger growth: "
+             "'pair_style dcm/contact ... growth {:.4}' and the same pair_coeff",
+             kind == AtomVecDCM::FACE ? "face" : "sphere", atom->tag[i], atom->molecule[i],
+             atom->radius[i], update->ntimestep, info.promise, sum, limit,
+             1.25 * (set.growth > 0.0           ? set.growth
+                     : kind == AtomVecDCM::FACE ? FACE_GROWTH
+                                                : sphere_growth));
 }

@@ -447,7 +447,10 @@ void PairDCMContact::read_types()
           m.h0 = h0_used > 0.0 ? h0_used : set.h0;
           m.gn = 0.5 * (a.gn + b.gn);
           m.k = dcm::foundation_stiffness(a.layer, a.E, a.nu, b.layer, b.E, b.nu);
-          if (set.law == FOUNDATION) {
+          const bool faces = may_be(a, AtomVecDCM::FACE) || may_be(b, AtomVecDCM::FACE);
+          const bool met = may_be(a, a.kind ? a.kind : AtomVecDCM::FACE) &&
+                           may_be(b, b.kind ? b.kind : AtomVecDCM::FACE);
+          if (set.law == FOUNDATION && faces && met) {    // neither spheres nor empty types
             const double stretch = dcm::foundation_range(m.k, m.W);
             if (range_used > 0.0 && stretch > range_used)
               error->all(FLERR,

@@ -51,8 +51,9 @@ def affine(x, y, z):
 def stretched_4_to_1(case):
     """A cell that is drawn out to four times its length at constant volume, and let go.
 
-    The energy it stored at first goes into dashpots and surroundings to 1 %; it becomes round again
-    to 1 %; friction with the surroundings adds up to no force."""
+    The energy it stored at first goes into dashpots and surroundings to 1 %, and half the step
+    changes what is left by less than 1 %; after a minute its axes are equal to 15 %; friction with
+    the surroundings adds up to no force."""
     scene = case.scenes.single_cell(box=30.0, boundary="p p p", level=2 if case.full else 1)
     dt, time = case.pick(0.02, 0.01), 60.0
     runs = []

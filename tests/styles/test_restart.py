@@ -186,6 +186,37 @@ def test_restart_after_growth_is_bit_for_bit(lmp, scenes, np_):
             assert np.array_equal(a[name], b[name]), (a.step, name)
 
 
+@pytest.mark.parametrize("diameter", [10.6, 11.1])
+def test_one_that_outgrows_the_promise(lmp, scenes, diameter):
+    """The list holds pairs up to the sum of their radii: one sphere above what it is laid out for
+    loses no partner as long as its sums with another and with a face fit, and is an error above."""
+    scene = scene_of(scenes, "p p p")
+
+    def grown(growth):
+        return (
+            scene.head()
+            + scene.cortex()
+            + spheres_that_grow(scene, scenes, f"growth {growth}")
+            + "run 2\nvariable first equal bound(balls,xmin)+1e-6\n"
+            + "variable left atom x<=v_first\ngroup left variable left\n"
+            + "group one intersect left balls\n"
+            + f"set group one diameter {diameter}\nrun 50 pre no\n"
+        )
+
+    result = lmp.run(grown(1.05))  # laid out for 5.25
+    assert result.returncode == 0 or diameter > 11.0, result.tail()
+    if diameter > 11.0:  # 5.55 and 5
+        assert result.returncode != 0
+        assert "beyond the 5.25 that" in result.error
+        return
+    wide = lmp(grown(1.3))
+    assert result.returncode == 0
+    for a, b in zip(result.dump(), wide.dump(), strict=True):
+        assert sum(a.radius == diameter / 2) == (1 if a.step > 2 else 0)
+        for name in ("x", "f"):
+            assert np.allclose(getattr(a, name), getattr(b, name), atol=1e-9)
+
+
 def test_growth_beyond_the_promise(lmp, scenes):
     """An error that says what to do; between runs the list is laid out anew, and the log tells."""
     scene = scene_of(scenes, "p p p")

@@ -271,3 +271,20 @@ def test_bad_decks(lmp, doublet):
     )
     named = doublet(GOOD, 0, dump=False).replace("NULL NULL", "NULL hepatoblast", 4)
     bad(named, "atom type 5 of tracers has a cell type in pair_coeff")
+
+
+@pytest.mark.parametrize("np_", [1, 2, 4])
+def test_cells_at_rest_with_far_ghosts(lmp, scenes, np_):
+    """Ghosts reach so far that vertices of the last faces are other periodic images: such faces,
+    stretched across the box, are no walls. Nothing moves, so nothing is swept over."""
+    scene = scenes.Scene(24.0, "p p p", 1)
+    scene.dcm(-8.4, -1.4, 1.0, 5.9)
+    scene.dcm(3.4, -1.4, 1.0, 5.8)
+    deck = Deck(lmp, scenes, scene)
+    text = deck("number 100 D 0.02 seed 5", 3, before="comm_modify cutoff 30\n", motion="\n")
+    text = text.replace("timestep 1.0", "timestep 0.005")
+    data = deck.data().replace("-30 30", "-24 24")
+    result = lmp(text, np=np_, files={"x.data": data})
+    right_places(result.dump())
+    row = result.thermo[-1]
+    assert row["v_inside"] == 200 and row["v_swept"] == row["v_exits"] == row["v_blocked"] == 0

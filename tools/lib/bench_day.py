@@ -26,6 +26,12 @@ def run(folder, lmp, options):
     return done.stdout, time.perf_counter() - begin
 
 
+def loops(out):
+    """Seconds and steps of the runs of a deck."""
+    found = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", out)
+    return [(float(seconds), int(steps)) for seconds, steps in found]
+
+
 def table(out):
     """Thermo lines of the day: list of dicts."""
     rows, names = [], None
@@ -53,32 +59,45 @@ def errors(found, exact):
     """What of chosen steps differs from explicit ones: cells with the same ID, no daughters of a
     division that came before another. Root mean square and largest, in percent: pressures and
     contact areas of their mean, centers of the mean diameter."""
-    ids = [i for i in exact if i in found and abs(found[i]["volume"] / exact[i]["volume"] - 1) < 0.1]
-    get = lambda table, name: np.array([table[i][name] for i in ids])
+    ids = [
+        i
+        for i in exact
+        if i in found and abs(found[i]["volume"] / exact[i]["volume"] - 1) < 0.1
+    ]
+
+    def column(table, name):
+        return np.array([table[i][name] for i in ids])
+
     result = {}
     for name in ("pressure", "contact_area"):
-        off = np.abs(get(found, name) - get(exact, name)) / np.mean(get(exact, name))
+        right = column(exact, name)
+        off = np.abs(column(found, name) - right) / np.mean(right)
         result[name.replace("_", " ")] = off
-    move = np.sqrt(sum((get(found, k) - get(exact, k)) ** 2 for k in "xyz"))
-    result["center"] = move / np.mean(np.cbrt(6 * get(exact, "volume") / np.pi))
+    move = np.sqrt(sum((column(found, k) - column(exact, k)) ** 2 for k in "xyz"))
+    result["center"] = move / np.mean(np.cbrt(6 * column(exact, "volume") / np.pi))
     return len(ids), {k: (100 * np.sqrt(np.mean(v**2)), 100 * v.max()) for k, v in result.items()}
 
 
 def compare(folder, lmp, hours):
-    """Both schemes from the same state of rest."""
+    """Both schemes from the same state of rest: seconds of an explicit step of 1 s."""
     run(folder, lmp, ["-var", "hours", "0.0003"])
     (folder / "bile_duct_day.restart").rename(folder / "rest.restart")
-    found = {}
+    found, each = {}, 0.0
     for motion in ("scheme explicit", None):
         words = ["-var", "from", "rest.restart", "-var", "hours", f"{hours:g}"]
         out, seconds = run(folder, lmp, words + (["-var", "motion", motion] if motion else []))
-        steps = sum(int(n) for n in re.findall(r"Loop time of \S+ on \d+ procs for (\d+) steps", out))
-        print(f"first {hours:g} h of the day, {motion or 'chosen steps'}: {steps} steps, {seconds:.0f} s")
+        steps = sum(n for _, n in loops(out))
+        print(
+            f"first {hours:g} h of the day, {motion or 'chosen steps'}: {steps} steps, "
+            f"{seconds:.0f} s"
+        )
         found[motion] = cells(folder)
+        each = seconds / steps if motion else each
     number, off = errors(found[None], found["scheme explicit"])
     for name, (rms, most) in off.items():
         print(f"error of {number} of {len(found['scheme explicit'])} deformable cells, {name}: "
               f"{rms:.2f} % (rms), {most:.2f} % (largest)")
+    return each
 
 
 def main():
@@ -104,21 +123,23 @@ def main():
             hours = args.explicit / 3600.0
             out, _ = run(folder, lmp, ["-var", "motion", "scheme explicit",
                                        "-var", "rest", f"{hours}", "-var", "hours", "0.0003"])
-            loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", out)
-            each = float(loops[0][0]) / int(loops[0][1])
+            took, steps = loops(out)[0]
+            each = took / steps
             print(f"explicit: {1000 * each:.1f} ms a step of 1 s, "
                   f"{each * 3600 * 27 / 60:.0f} min for 27 h (rest and day)")
         if args.error:
-            compare(folder, lmp, args.error)
+            each = compare(folder, lmp, args.error)
         out, seconds = run(folder, lmp, ["-var", "hours", f"{args.hours:g}"])
-        loops = [(float(a), int(b)) for a, b in
-                 re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", out)]
+        runs = loops(out)
         rows = [row for row in table(out) if "v_ncells" in row]
-        print(f"steps: {sum(n for _, n in loops)} ({loops[0][1]} of them to rest in 3 h), "
-              f"{seconds:.0f} s, {rows[-1]['v_ncells']:.0f} deformable cells at the end")
+        print(f"steps: {sum(n for _, n in runs)} ({runs[0][1]} of them to rest in 3 h), "
+              f"{seconds:.0f} s, {rows[-1]['v_ncells']:.0f} deformable cells at the end; mean of "
+              f"{np.mean([row['f_move[2]'] for row in rows if row['f_move[2]']]):.0f} iterations "
+              f"at the steps of the thermo output")
         if each:
-            print(f"ratio to the explicit scheme: {each * 3600 * (3 + args.hours) / seconds:.1f}")
-        print(f"day_minutes: {sum(t for t, _ in loops) / 60:.1f}")
+            print(f"ratio to explicit steps of {1000 * each:.1f} ms, were no cell born: "
+                  f"{each * 3600 * (3 + args.hours) / seconds:.1f}")
+        print(f"day_minutes: {sum(t for t, _ in runs) / 60:.1f}")
 
 
 if __name__ == "__main__":

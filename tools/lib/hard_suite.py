@@ -8,7 +8,6 @@ import csv
 import json
 import math
 import shutil
-import subprocess
 import sys
 import time
 import traceback
@@ -18,6 +17,7 @@ from pathlib import Path
 from hard import families
 from hard.suite import RANKS, SCENES, SCHEMES, Case, Measured, perform
 
+from lammps_dcm.__main__ import main as lammps_dcm
 from support import scenes as shared_scenes
 from support.runner import Runner
 
@@ -227,24 +227,9 @@ class Suite:
                 if scene.section
                 else ["--view", scene.view, "--color", "cell", "--edges"]
             )
-            done = subprocess.run(
-                [
-                    sys.executable,
-                    "-m",
-                    "lammps_dcm",
-                    "render",
-                    str(dump),
-                    *how,
-                    "--size",
-                    "480",
-                    "-o",
-                    str(picture),
-                ],
-                capture_output=True,
-                text=True,
-            )
-            if done.returncode:
-                print(f"[hard] no picture of {scene.name}: {done.stderr.strip()[-300:]}")
+            words = ["render", str(dump), *how, "--size", "480", "-o", str(picture)]
+            if lammps_dcm(words):  # imported once: it loads VTK
+                print(f"[hard] no picture of {scene.name}")
 
 
 # ---------------------------------------------------------------------- the page of the manual

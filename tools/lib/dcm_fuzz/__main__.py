@@ -104,6 +104,8 @@ def name_of(number, verdict):
 def keep(case, path, verdict):
     if case.np > 1 and "# ranks" not in case.deck:
         case = case.with_deck(f"# ranks {case.np}\n{case.deck}")
+    if case.compare and verdict.kind == "ranks differ":
+        case = case.with_deck(f"# compare\n{case.deck}")
     case.write(path)
     (path / "README").write_text(
         f"{case.kind} {case.seed}, {case.np} ranks: {verdict.kind}\n{verdict.message}\n"

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from . import mutate, seeds
-from .judge import GUARDED, KEEP
 from .grammar import PARAMETERS, Deck, parameter_text
+from .judge import GUARDED, KEEP
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,7 +44,7 @@ def read_case(path):
         if line.startswith("# ranks "):
             np_ = int(line.split()[2])
     files.setdefault(PARAMETERS, parameter_text().encode())
-    return Case("corpus", 0, deck, files, np=np_)
+    return Case("corpus", 0, deck, files, np=np_, compare="# compare" in deck)
 
 
 class Maker:
@@ -105,10 +105,9 @@ class Maker:
         return made
 
     def restart(self, rng):
-        first, last = self.seeds.records
-        stop = min(last + 200, len(self.seeds.restart))
+        first, stop = mutate.pick(rng, self.seeds.records)
         made = self.one_file("cells.restart", self.seeds.restart, seeds.restart_deck(), rng,
-                             lambda rng, data: mutate.binary(rng, data, first, stop))  # fmt: skip
+                             lambda r, data: mutate.binary(r, data, first, stop - 7))  # fmt: skip
         made["whole"] = {}
         return made
 

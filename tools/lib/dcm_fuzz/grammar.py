@@ -301,7 +301,8 @@ class Deck:
 
     def polarity(self):
         self.fix("polarity", f"{self.group()} dcm/polarity seed {self.whole(1, 99)} " + self.some(
-            0.3, lambda: f"polar {self.number(0.3, 0.9)}", lambda: f"form {self.one('cone', 'belt')}",
+            0.3, lambda: f"polar {self.number(0.3, 0.9)}",
+            lambda: f"form {self.one('cone', 'belt')}",
             lambda: f"apical {self.number(0.6, 0.9)}",
             lambda: "basal " + self.one("none", self.number(0.6, 0.9)),
             lambda: "junction " + self.one("auto", "none", "0.2 0.5"),
@@ -311,7 +312,8 @@ class Deck:
             lambda: f"plane {self.one('none', 'x', 'y', 'z')}",
             lambda: "init " + self.one("random", "free", f"toward {self.point(5)}",
                                        "variable v_px v_py v_pz"),
-            lambda: f"freeze {self.number(1, 100)}", lambda: f"every {self.whole(1, 3)}"))  # fmt: skip
+            lambda: f"freeze {self.number(1, 100)}",
+            lambda: f"every {self.whole(1, 3)}"))  # fmt: skip
 
     def osmosis(self):
         dilute = self.one("", "", f"dilute {self.number(10, 1000)}")
@@ -348,7 +350,8 @@ class Deck:
         self.fix("signal", f"right dcm/signal from {self.one('first', 'patch')} to 6 7 8 "
                  f"{self.one('2 2', '')} time {self.one('0', '5', 'inf')} "
                  f"{'' if 'osmosis' in self.fixes else 'lumen no'} " + self.some(
-                     0.4, lambda: f"area {self.number(0, 0.2)}", lambda: f"lapse {self.one('reset', 'hold')}",
+                     0.4, lambda: f"area {self.number(0, 0.2)}",
+                     lambda: f"lapse {self.one('reset', 'hold')}",
                      lambda: f"every {self.whole(1, 3)}", "join patch"))  # fmt: skip
 
     def tracer(self):
@@ -369,12 +372,14 @@ class Deck:
         """Fixes of LAMMPS beside those of the package."""
         line = self.one(
             "all addforce 0.1 0 0", "first setforce 0 NULL 0", "all deform 1 x scale 0.99 remap x",
-            "all balance 2 1.05 shift xyz 5 1.1", "all halt 3 v_ramp > 1e9", "all momentum 2 linear 1 1 1",
+            "all balance 2 1.05 shift xyz 5 1.1", "all halt 3 v_ramp > 1e9",
+            "all momentum 2 linear 1 1 1",
             "all nve", "all print 1 'x'", "all property/atom d_q ghost yes",
             "all ave/time 1 1 1 f_cell file ave.txt", "all viscous 0.1",
             "all recenter INIT INIT INIT", "all spring/self 1.0", "all store/state 1 x y z",
             "all wall/reflect zlo EDGE", "all bond/create 1 2 2 0.1 1",
-            "all bond/break 1 1 0.1", "all deposit 1 4 1 77 region half", "all evaporate 1 1 half 9",
+            "all bond/break 1 1 0.1", "all deposit 1 4 1 77 region half",
+            "all evaporate 1 1 half 9",
         )  # fmt: skip
         self.fix("other", line)
 
@@ -403,14 +408,16 @@ class Deck:
 
     # --- output ---------------------------------------------------------------------------------
 
-    CELL = ("volume volume0 area pressure x y z vx vy vz contact_area free_area neighbors kind "
-            "molecule mother generation birth phase").split()  # fmt: skip
+    CELL = [
+        "volume", "volume0", "area", "pressure", "x", "y", "z", "vx", "vy", "vz", "contact_area",
+        "free_area", "neighbors", "kind", "molecule", "mother", "generation", "birth", "phase",
+    ]  # fmt: skip
     COLUMNS = {
         "growth": ["progress"], "polarity": ["ax", "px", "apical_area"],
         "osmosis": ["marked_area"], "constriction": ["constricted", "constriction"],
         "signal": ["signal", "fate"], "tracer": ["secretes"],
     }  # fmt: skip
-    FACE = "area contact_area free_area stress curvature nx ny nz region".split()
+    FACE = ["area", "contact_area", "free_area", "stress", "curvature", "nx", "ny", "nz", "region"]
     SCALARS = {
         "growth": ["f_growth"], "division": ["f_division[1]", "f_division[2]"],
         "death": ["f_death"], "tracer": ["f_tracer[1]", "f_tracer[2]"],
@@ -499,14 +506,15 @@ class Deck:
             "minimize 1e-4 1e-4 3 5", "write_data new.data\nread_data new.data add append",
             f"min_style {self.one('cg', 'fire', 'sd')}\nminimize 0 0 2 5",
             f"region half delete\nregion half sphere {self.point()} {self.number(5, 50)}",
-            "variable odd delete", "variable odd atom id", f"variable form atom {self.number(-1, 1)}",
+            "variable odd delete", "variable odd atom id",
+            f"variable form atom {self.number(-1, 1)}",
             "variable ramp equal 1/0", f"variable ramp equal {self.number(-1, 1)}",
             "compute c2 all dcm/cell volume phase\nthermo_style custom step",
             "uncompute c", "print '$(f_cell)'", "print '$(c_cs[1])'", "run 0 pre no",
             "run 2 pre no post no", "write_dump all custom x.dump id c_c[*]",
             "write_dump all custom x.dump id fx", "info all out log",
             "reset_atoms id sort yes", "run_style verlet", "run_style respa 2 2 bond 1",
-            "timestep 1000", "timestep 1e-9", "dump_modify d every 2", 
+            "timestep 1000", "timestep 1e-9", "dump_modify d every 2",
             f"create_cells single cbm cbm {self.point()} 3.0 cbm cbm 4",
             f"create_cells single hep dcm {self.point()} 4.0 dcm hep 1 2 3 1 1 mesh icosphere 1",
             *self.lives(), *(self.random_acts(g) if self.wild else []),

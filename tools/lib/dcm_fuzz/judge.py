@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[3]
 KEEP, GUARDED = b"of an earlier run\n", ("division.log", "death.log")
 CPU = 20  # s of processor time on each rank; a paused machine is no hang
 NAMED = re.compile(
-    r"dcm/|[Cc]reate_cells|Atom style dcm|atom_style dcm|[Ff]ix_modify|file |mesh|log |lumen|parameter"
+    r"dcm/|[Cc]reate_cells|[Aa]tom.style dcm|[Ff]ix_modify|file |mesh|log |lumen|parameter"
 )
 # what some numbers of ranks do not allow, with its remedy
 LIMIT = re.compile(r"comm_modify|comm_style|processors|ranks|fewer processes")

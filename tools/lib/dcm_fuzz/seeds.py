@@ -16,7 +16,7 @@ BOX = (
     f"create_box 8 box bond/types 2 dihedral/types 2 {ROOM}\nmass * 1.0\n"
 )
 MADE = (
-    "create_cells single hep dcm -5.9 0.1 0 6 dcm hep 1 2 3 1 1 mesh icosphere 1 rotate 3 rest 0.95\n"
+    "create_cells single hep dcm -5.9 0.1 0 6 dcm hep 1 2 3 1 1 mesh icosphere 1 rest 0.95\n"
     "create_cells single chol dcm 5.9 0 0.2 6 dcm chol 6 7 8 2 2 mesh icosphere 1 rotate 4\n"
     "create_cells single cbm cbm 17 0 0 5 cbm cbm 4\n"
 )
@@ -79,7 +79,8 @@ def create_deck(command):
 def obj(nodes, faces, style="{}"):
     lines = ["# mesh", "o cell"] + [f"v {x:.6g} {y:.6g} {z:.6g}" for x, y, z in nodes]
     lines += ["vn 0 0 1", "vt 0 0", "s off", "usemtl none"]
-    return "\n".join(lines + ["f " + " ".join(style.format(k + 1) for k in f) for f in faces]) + "\n"
+    lines += ["f " + " ".join(style.format(k + 1) for k in face) for face in faces]
+    return "\n".join(lines) + "\n"
 
 
 def mesh_files():
@@ -102,6 +103,17 @@ cbm cbm 0 10.5 0 4
 """
 
 
+def records(data):
+    """First and last byte of each record of the package: magic, style, version, size, checksums
+    (dcm_record.h). What LAMMPS itself writes around them has no checksum."""
+    found, at = [], data.find(b"DCM-re2\n")
+    while at >= 0:
+        size = int.from_bytes(data[at + 56 : at + 64], "little")
+        found.append((at, at + 80 + size))
+        at = data.find(b"DCM-re2\n", at + 1)
+    return found
+
+
 class Seeds:
     """Data, rest and restart files, made by the program."""
 
@@ -118,5 +130,5 @@ class Seeds:
         self.data, self.rest, self.restart = (
             (path / f"cells.{name}").read_bytes() for name in ("data", "rest", "restart")
         )
-        self.records = self.restart.find(b"DCM-re2"), self.restart.rfind(b"DCM-re2")
+        self.records = records(self.restart)
         self.meshes = {name: text.encode() for name, text in mesh_files().items()}
