@@ -129,7 +129,6 @@ def read(part, text):
     elif part == "angle":
         pick(rf"Young and Dupre: +{NUMBER}", "expected")
         pick(rf"length and volume: +{NUMBER}", "by_shape")
-        pick(rf"ball of nodes: +{NUMBER}", "by_nodes")
         pick(rf"area in contact: +{NUMBER}", "by_area")
     elif part == "fill":
         rows = [row for row in rows if len(row) == 5]

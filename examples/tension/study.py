@@ -25,7 +25,6 @@ PRINTED = {
     "radius": f"contact radius {NUMBER} um",
     "expected": f"Young and Dupre: +{NUMBER}",
     "by_shape": f"length and volume: +{NUMBER}",
-    "by_nodes": f"ball of nodes: +{NUMBER}",
     "by_area": f"area in contact: +{NUMBER}",
 }
 COLUMNS = ["law", "nodes", "w", "seed", "settings", *PRINTED, "note"]

@@ -18,7 +18,6 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
-#include "law/spreading.h"
 #include "fix_dcm_cell.h"
 
 #include <algorithm>
@@ -114,7 +113,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
     // as those of newborn cells do, and do not touch
 
     const auto &face = faces[fi], &other = faces[gi];
-    const double weight = looks(f.n.dot(r.u)) * looks(-g.n.dot(r.u));
+    const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(-g.n.dot(r.u));
     const double overlap = -apart.dot(r.u);
     const double limit = std::min(bears[face.cell], bears[other.cell]);
     const double depth = std::max({overlap, g.n.dot(apart), -f.n.dot(apart)});
@@ -133,10 +132,6 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
     for (int k = 0; k < 3; k++) {
       vec(force_of[face.v[k]]) -= r.wf[k] * r.u;
       vec(force_of[other.v[k]]) += r.wg[k] * r.u;
-    }
-    if (set.spreading) {
-      spread_along(f, face.v, mat.W, dcm::SPREADING_SHARED, r.area, r.u);
-      spread_along(g, other.v, mat.W, dcm::SPREADING_SHARED, r.area, r.u);
     }
     area[face.atom] += r.area;
     area[other.atom] += r.area;
@@ -191,7 +186,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mi
     }
     const auto &face = faces[fi];
     if (!std::isfinite(r.force)) fail_pair(face.atom, j, r.delta, radius, r.force);
-    const double weight = looks(f.n.dot(r.u)) * looks(r.tilt);
+    const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(r.tilt);
     if (HISTORY) *mixed_touch[n] = weight > 0.0;
     if (!(weight > 0.0)) continue;
     r.scale(weight);
@@ -200,7 +195,6 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mi
 
     for (int k = 0; k < 3; k++) vec(force_of[face.v[k]]) -= r.wf[k] * r.u;
     vec(force_of[j]) += r.force * r.u;
-    if (set.spreading) spread_along(f, face.v, mat.W, dcm::SPREADING_ALONE, r.area, r.u);
     area[face.atom] += r.area;
     area[j] += r.area;
     if (want_stress) {

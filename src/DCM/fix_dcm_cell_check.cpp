@@ -112,8 +112,8 @@ void FixDCMCell::report_fault()
 ------------------------------------------------------------------------- */
 
 // of box lengths, how far a node may be from its center in a run. Closest images end at one half: a
-// node that gets past it between two checks is seen on the other side, as far from the center, unless
-// it moves by twice the margin in a step
+// node that gets past it between two checks is seen on the other side, as far from the center,
+// unless it moves by twice the margin in a step
 
 static constexpr double REACH = 0.45;
 

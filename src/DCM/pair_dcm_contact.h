@@ -160,11 +160,10 @@ class PairDCMContact : public Pair, public DCMRole {
   // a run continues unchanged
 
   struct Settings {
-    int law = FOUNDATION, history = 0, points = 2, concave = 0, h0_auto = 1, spreading = 0;
+    int law = FOUNDATION, history = 0, points = 2, concave = 0, h0_auto = 1;
     double h0 = 0.35, rmax = 10.0;
     double range = 0.0, maxoverlap = 0.0;    // 0: choose
     double growth = 0.0;                     // of radii, 0: choose
-    double facing[2] = {dcm::FACING_NONE, dcm::FACING_FULL};    // cosines
   } set;
   double h0_used = 0.0, range_used = 0.0, overlap_used = 0.0;
   double own_cutoff = 0.0;         // ghost cutoff set here
@@ -274,9 +273,6 @@ class PairDCMContact : public Pair, public DCMRole {
   template <class State, bool HISTORY, bool SLOPE> void compute_cells();
   template <class State, bool HISTORY, bool SLOPE> void compute_faces();
   template <class State, bool HISTORY, bool SLOPE> void compute_mixed();
-  double looks(double cosine) const { return dcm::facing(cosine, set.facing[0], set.facing[1]); }
-  void spread_along(const dcm::FaceGeometry &, const int *, double, double, double,
-                    const dcm::Vec3 &);
   void compute_moduli();
   void compute_spheres(int);
   template <bool SISTERS, bool SLOPE> void sphere_contacts(int);

@@ -358,8 +358,8 @@ bool PairDCMContact::ran_into(int fi, int gi, const Vec3 &u, double limit)
     const bool deep = dcm::face_overlap(f, g, u, most) && most.depth > limit;
     if (!deep && !f_in_front && !g_in_front) return false;
   }
-  return deep_in_each_other(fi, f_in_front ? f.mid : most.on_f, gi,
-                            g_in_front ? g.mid : most.on_g, limit);
+  return deep_in_each_other(fi, f_in_front ? f.mid : most.on_f, gi, g_in_front ? g.mid : most.on_g,
+                            limit);
 }
 
 /* ----------------------------------------------------------------------

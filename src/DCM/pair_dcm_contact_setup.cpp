@@ -118,8 +118,7 @@ void PairDCMContact::settings(int narg, char **arg)
   Settings now;
   DCMArgs args(
       lmp, STYLE, narg, arg,
-      {"law", "branch", "points", "h0", "rmax", "range", "concave", "maxoverlap", "growth",
-       "spreading", "facing"});
+      {"law", "branch", "points", "h0", "rmax", "range", "concave", "maxoverlap", "growth"});
   while (args.next()) {
     if (args.is("law")) {
       now.law = args.choose(law_names());
@@ -127,14 +126,6 @@ void PairDCMContact::settings(int narg, char **arg)
       now.history = args.choose({"cutoff", "history"});
     } else if (args.is("concave")) {
       now.concave = args.choose({"flat", "negative"});
-    } else if (args.is("spreading")) {
-      now.spreading = args.choose({"no", "yes"});
-    } else if (args.is("facing")) {
-      const double full = args.number(DCMArgs::POSITIVE);
-      const double none = args.number(DCMArgs::POSITIVE);
-      args.check(full < none && none <= 90.0, "two angles in degrees, the first one smaller");
-      now.facing[0] = std::cos(none * dcm::PI / 180.0);
-      now.facing[1] = std::cos(full * dcm::PI / 180.0);
     } else if (args.is("points")) {
       now.points = (int) args.whole(1, 4);
     } else if (args.is("h0")) {

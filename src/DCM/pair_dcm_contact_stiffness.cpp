@@ -15,9 +15,7 @@
 
 #include "dcm_contact_faces.h"
 #include "dcm_unknowns.h"
-#include "atom.h"
 #include "law/friction.h"
-#include "law/spreading.h"
 #include "law/stiffness.h"
 
 #include <algorithm>
@@ -29,18 +27,6 @@ template void PairDCMContact::compute_cells<dcm::MaugisState, false, true>();
 template void PairDCMContact::compute_cells<dcm::MaugisState, true, true>();
 template void PairDCMContact::compute_cells<dcm::FoundationState, false, false>();
 template void PairDCMContact::compute_cells<dcm::FoundationState, false, true>();
-
-/* ----------------------------------------------------------------------
-   keyword spreading: the pull of adhesion along a surface, which is no part of the contact's force
-------------------------------------------------------------------------- */
-
-void PairDCMContact::spread_along(const dcm::FaceGeometry &f, const int *v, double W, double share,
-                                  double covered, const Vec3 &u)
-{
-  if (!(W > 0.0) || !(covered > 0.0)) return;
-  const double tension = dcm::spreading_tension(f, W, share, covered, f.n.dot(u));
-  for (int k = 0; k < 3; k++) vec(atom->f[v[k]]) += dcm::spreading_force(f, k, tension);
-}
 
 /* ---------------------------------------------------------------------- */
 

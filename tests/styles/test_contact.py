@@ -95,7 +95,8 @@ def test_two_spheres_are_jkr(lmp, scenes, adhesion):
 @pytest.mark.parametrize("overlap", [0.1, 0.32, 0.49])
 def test_pressure_of_packed_spheres(lmp, scenes, overlap):
     """A close packing, overlaps in radii: each of 12 contacts at distance d carries P d^2/2 sqrt 2,
-    by which the page says how soft center-based cells are. By the virial: 3 P V = 6 F d, V = d^3/sqrt 2."""
+    by which the page says how soft center-based cells are. By the virial: 3 P V = 6 F d, with
+    V = d^3/sqrt 2."""
     R = 6.0
     d = R * (2 - overlap)
     edge = math.sqrt(2) * d

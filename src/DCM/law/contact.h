@@ -260,15 +260,13 @@ namespace detail {
 }    // namespace detail
 
 /// How far a face looks along the axis of a contact, from the cosine between its normal and the
-/// axis: 0 when tilted by more than 50 degrees, 1 below 40 degrees, smooth between, or by other
-/// cosines. Faces of surfaces that touch look at each other; what the sphere of a tilted face
-/// reports beside an edge or fold of its own cell is no contact. For the caller: the law itself is
-/// exact at any tilt.
-constexpr double FACING_NONE = 0.64278760968653933, FACING_FULL = 0.76604444311897804;
-
-inline double facing(double cosine, double none = FACING_NONE, double full = FACING_FULL)
+/// axis: 0 when tilted by more than 50 degrees, 1 below 40 degrees, smooth between. Faces of
+/// surfaces that touch look at each other; what the sphere of a tilted face reports beside an edge
+/// or fold of its own cell is no contact. For the caller: the law itself is exact at any tilt.
+inline double facing(double cosine)
 {
-  const double s = std::min(std::max((cosine - none) / (full - none), 0.0), 1.0);
+  constexpr double NONE = 0.64278760968653933, FULL = 0.76604444311897804;
+  const double s = std::min(std::max((cosine - NONE) / (FULL - NONE), 0.0), 1.0);
   return s * s * (3.0 - 2.0 * s);
 }
 
