@@ -140,8 +140,8 @@ void PairDCMContact::check_radii()
                  name, atom->tag[i], atom->molecule[i], update->ntimestep);
   }
 
-  // the list holds pairs up to the sum of two radii: the two largest of each type count, so that one
-  // stretched face among others as they were loses nothing
+  // the list holds pairs up to the sum of two radii: the two largest of each type count, so that
+  // one stretched face among others as they were loses nothing
 
   struct Largest {
     double radius[2] = {0.0, 0.0};
@@ -175,15 +175,14 @@ void PairDCMContact::check_radii()
 void PairDCMContact::fail_radius(int i, double sum, double limit)
 {
   const TypeInfo &info = types[atom->type[i]];
-  const int kind = dcm->kind[i];
-  error->one(FLERR,
-             "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step {}, "
-             "beyond the {:.4} that the neighbor list is laid out for, and with another the sum {:.4}, "
-             "beyond {:.4}; look for a mesh that falls apart, or continue from before with a larger growth: "
-             "'pair_style dcm/contact ... growth {:.4}' and the same pair_coeff",
-             kind == AtomVecDCM::FACE ? "face" : "sphere", atom->tag[i], atom->molecule[i],
-             atom->radius[i], update->ntimestep, info.promise, sum, limit,
-             1.25 * (set.growth > 0.0           ? set.growth
-                     : kind == AtomVecDCM::FACE ? FACE_GROWTH
-                                                : sphere_growth));
+  const bool face = dcm->kind[i] == AtomVecDCM::FACE;
+  const double growth = set.growth > 0.0 ? set.growth : face ? FACE_GROWTH : sphere_growth;
+  error->one(
+      FLERR,
+      "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step {}, "
+      "beyond the {:.4} that the neighbor list is laid out for, and with another the sum "
+      "{:.4}, beyond {:.4}; look for a mesh that falls apart, or continue from before with a "
+      "larger growth: 'pair_style dcm/contact ... growth {:.4}' and the same pair_coeff",
+      face ? "face" : "sphere", atom->tag[i], atom->molecule[i], atom->radius[i], update->ntimestep,
+      info.promise, sum, limit, 1.25 * growth);
 }
