@@ -125,8 +125,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
     if (HISTORY) *face_touch[n] = touching;
     if (!touching) continue;
     r.scale(weight);
-    if (overlap > count.overlap || overlap > count.share * limit)
-      note_overlap(fi, gi, r.u, overlap, limit);
+    if (want_overlap) note_overlap(fi, gi, r.u, limit);
     count.contacts++;
     count.area += r.area;
 

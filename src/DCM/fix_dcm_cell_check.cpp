@@ -111,9 +111,11 @@ void FixDCMCell::report_fault()
    box of two by two span a little more than half of it, which does no harm in a run
 ------------------------------------------------------------------------- */
 
-// of box lengths, how far a node may be from its center in a run; closest images end at one half
+// of box lengths, how far a node may be from its center in a run. Closest images end at one half: a
+// node that gets past it between two checks is seen on the other side, as far from the center,
+// unless it moves by twice the margin in a step
 
-static constexpr double REACH = 0.4;
+static constexpr double REACH = 0.45;
 
 void FixDCMCell::check_width()
 {

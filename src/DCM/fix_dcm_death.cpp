@@ -171,7 +171,7 @@ std::vector<tagint> FixDCMDeath::condemned()
       double &time = (*exposed)(table.find(molecule));
       time += since;
       return std::exp(-rate * time) >
-          dcm::Random(seed, molecule, 0, dcm::RandomPurpose::DEATH).uniform();
+             dcm::Random(seed, molecule, 0, dcm::RandomPurpose::DEATH).uniform();
     };
     molecules.erase(std::remove_if(molecules.begin(), molecules.end(), survives), molecules.end());
   }

@@ -28,7 +28,7 @@ using namespace FixConst;
 static const char STYLE[] = "Fix dcm/motility";
 static constexpr bigint LARGEST_SEED = 1LL << 53;    // whole numbers of a double
 static constexpr double MISSING = -1.0;
-static constexpr double WHOLE = 1.0e-6;    // round-off of a number of timesteps or intervals
+static constexpr double WHOLE = 1.0e-6;     // round-off of a number of timesteps or intervals
 static constexpr double UNSET = 1.0e300;    // state of a cell that has not been drawn yet
 
 /* ----------------------------------------------------------------------
@@ -194,8 +194,8 @@ double FixDCMMotility::next_event()
 
 void FixDCMMotility::draw(tagint molecule, double *xi) const
 {
-  const bigint number =
-      interval > 0.0 ? number_of_interval(cell->cells().time()) : update->ntimestep;
+  const bigint number = interval > 0.0 ? number_of_interval(cell->cells().time())
+                                       : update->ntimestep;
   dcm::Random random(seed, molecule, number, dcm::RandomPurpose::MOTILITY);
   dcm::vec(xi) = random.gaussian_vector();
 }

@@ -389,6 +389,5 @@ double FixDCMOsmosis::compute_vector(int n)
 double FixDCMOsmosis::memory_usage()
 {
   return 2.0 * atom->nmax * sizeof(int) + (double) state.capacity() * sizeof(int) +
-         (double) pushed.capacity() * sizeof(double) +
-         graph.memory_usage();
+         (double) pushed.capacity() * sizeof(double) + graph.memory_usage();
 }

@@ -106,8 +106,8 @@ class FixDCMOsmosis : public Fix, public DCMRole {
   DCMRole *tracer;
   int *mark, *whole;    // per atom: face is marked; counts in full since a starter marked it
 
-  double acting, worked;    // pressure now; work of this process
-  double falls;             // by so much for each volume that is added (pressure/volume), >= 0
+  double acting, worked;         // pressure now; work of this process
+  double falls;                  // by so much for each volume that is added (pressure/volume), >= 0
   std::vector<double> pushed;    // per atom, 3 numbers: force of a unit of pressure
   bool measured;
   dcm::LumenSums sums;    // of the marked faces as they are now

@@ -333,7 +333,8 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
     next += begin[c];
     begin[c] = first;
     if (acts_on(it))
-      system.cells.push_back({first, next, dcm::pressure_stiffness(K_V[it.type], it.volume), c, field});
+      system.cells.push_back(
+          {first, next, dcm::pressure_stiffness(K_V[it.type], it.volume), c, field});
   }
   system.nodes.resize(next);
   for (int s = 1; s <= nowned; s++) {

@@ -81,7 +81,7 @@ std::string PairDCMContact::work()
 {
   bigint contacts;
   MPI_Allreduce(&count.contacts, &contacts, 1, MPI_LMP_BIGINT, MPI_SUM, world);
-  return fmt::format("{} contacts at the end, {} neighbor lists made", contacts, neighbor->ncalls);
+  return fmt::format("{} contacts at the end, neighbor lists: {}", contacts, neighbor->ncalls);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -102,6 +102,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   count.list_seconds = platform::walltime() - start;
 
   find_wanted();
+  want_overlap = (eflag_global || anew) && fix_cell;
   const int nall = atom->nlocal + atom->nghost;
   area.assign(nall, 0.0);
   if (want_stress) stress.assign(nall, 0.0);
@@ -129,7 +130,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   pvector[0] = (double) count.pairs;
   pvector[1] = (double) count.contacts;
   pvector[2] = count.area;
-  if (eflag_global || (anew && fix_cell)) measure_overlap();
+  if (eflag_global || want_overlap) measure_overlap();
   pvector[4] = comm->me == 0 ? overlap : 0.0;    // compute pair sums over processes
   pvector[5] = comm->me == 0 ? filled : 0.0;
   count.seconds = platform::walltime() - start;

@@ -59,7 +59,7 @@ class PairDCMContact : public Pair, public DCMRole {
     bigint pairs = 0;             // pairs in the neighbor list
     bigint contacts = 0;          // of them in contact
     double area = 0.0;            // total contact area
-    double overlap = 0.0;         // largest overlap of faces right in front of each other
+    double overlap = 0.0;         // largest overlap of two faces, in steps in which it is output
     double share = 0.0;           // largest part of what the smaller cell bears
     double deepest = 0.0;         // that overlap
     tagint deep[2] = {0, 0};      // and between which cells
@@ -204,7 +204,7 @@ class PairDCMContact : public Pair, public DCMRole {
   bool any_apparent, use_history;
   unsigned traits_of_deck = 0U;
   bool want_stress, want_partners, want_blocks;    // in this step
-  bool want_virial = false, want_stiffness = false;
+  bool want_virial = false, want_stiffness = false, want_overlap = false;
   double mean_edge, cell_radius;    // at the start of the run; largest deformable cell
   double largest_edge = 0.0;        // largest mean edge of a cell
   bigint built;
@@ -297,8 +297,9 @@ class PairDCMContact : public Pair, public DCMRole {
   bool has_fix_cell() const;
   static double round_up(double);
   bool deep_inside(const dcm::Vec3 &, int, double);
+  bool deep_in_each_other(int, const dcm::Vec3 &, int, const dcm::Vec3 &, double);
   bool ran_into(int, int, const dcm::Vec3 &, double);
-  void note_overlap(int, int, const dcm::Vec3 &, double, double);
+  void note_overlap(int, int, const dcm::Vec3 &, double);
   bool swallowed(int, int);
   void fail_pair(int, int, double, double, double);
   void report_fault();

@@ -21,6 +21,7 @@
 #include "dcm_compat.h"
 #include "dcm_slots.h"
 #include "dcm_text.h"
+#include "law/face_overlap.h"
 #include "law/solid_angle.h"
 #include "law/triangle.h"
 #include "law/volume.h"
@@ -345,42 +346,65 @@ static bool covers(const dcm::FaceGeometry &face, const Vec3 &point, const Vec3 
 }
 
 /* ----------------------------------------------------------------------
-   two faces that seem to be behind each other: does the middle of one of them lie in the other
-   cell, deeper than `limit`? It is the small cell's that tells, in front of any part of the other's
-   face. Around a ghost the other cell's surface is known as far as the ghosts reach, which is far
-   enough next to an owned face.
+   does a point of face fi lie in the cell of face gi, or one of gi in that of fi, deeper than
+   `limit`? Around a ghost the other cell's surface is known as far as the ghosts reach, which is
+   far enough next to an owned face.
 ------------------------------------------------------------------------- */
 
-bool PairDCMContact::ran_into(int fi, int gi, const Vec3 &u, double limit)
+bool PairDCMContact::deep_in_each_other(int fi, const Vec3 &on_f, int gi, const Vec3 &on_g,
+                                        double limit)
 {
   const auto &faces = fix_cell->faces();
-  const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
   const double known = own_cutoff - 2.0 * face_reach - neighbor->skin -
-                       (g.mid - f.mid).norm();    // to their corners
-  for (const auto &[point, here, front, wall] :
-       {std::tuple(&f.mid, fi, &g, gi), std::tuple(&g.mid, gi, &f, fi)}) {
+                       (geometry[gi].mid - geometry[fi].mid).norm();    // to their corners
+  for (const auto &[point, here, wall] : {std::tuple(&on_f, fi, gi), std::tuple(&on_g, gi, fi)}) {
     if (here >= fix_cell->nowned() && known < limit) continue;
-    if (covers(*front, *point, u) && deep_inside(*point, faces[wall].cell, limit)) return true;
+    if (deep_inside(*point, faces[wall].cell, limit)) return true;
   }
   return false;
 }
 
 /* ----------------------------------------------------------------------
-   the largest overlaps, of faces of which one has its middle in front of the other. Where there
-   would be a warning, only what lies as deep inside the other cell: faces beside a sharp corner
-look as if they did.
+   two faces that seem to be behind each other: does the middle of one of them, where it is in front
+   of the other face, lie deep in the other cell, or else the place where they overlap most? It is
+   the small cell's that tells, in front of any part of the other's face.
 ------------------------------------------------------------------------- */
 
-void PairDCMContact::note_overlap(int fi, int gi, const Vec3 &u, double overlap, double limit)
+bool PairDCMContact::ran_into(int fi, int gi, const Vec3 &u, double limit)
 {
-  const auto &faces = fix_cell->faces();
   const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
-  if (!covers(f, g.mid, u) && !covers(g, f.mid, u)) return;
-  if (overlap > DEEP * limit && !ran_into(fi, gi, u, 0.5 * DEEP * limit)) return;
-  count.overlap = std::max(count.overlap, overlap);
-  if (!(overlap > count.share * limit)) return;
-  count.share = overlap / limit;
-  count.deepest = overlap;
+  const bool f_in_front = covers(g, f.mid, u), g_in_front = covers(f, g.mid, u);
+  dcm::FaceOverlap most = {f.mid, g.mid, 0.0};
+  if (!f_in_front || !g_in_front) {
+    // no point is farther from a surface than from the point of it in front
+    const bool deep = dcm::face_overlap(f, g, u, most) && most.depth > limit;
+    if (!deep && !f_in_front && !g_in_front) return false;
+  }
+  return deep_in_each_other(fi, f_in_front ? f.mid : most.on_f, gi, g_in_front ? g.mid : most.on_g,
+                            limit);
+}
+
+/* ----------------------------------------------------------------------
+   the largest overlaps, anywhere in what two faces in contact have in common. Where there would be
+   a warning, only what lies as deep inside the other cell: faces beside a sharp corner look as if
+   they did.
+------------------------------------------------------------------------- */
+
+void PairDCMContact::note_overlap(int fi, int gi, const Vec3 &u, double limit)
+{
+  const dcm::FaceGeometry &f = geometry[fi], &g = geometry[gi];
+  const double least = std::min(count.overlap, count.share * limit);
+  if (!(dcm::overlap_bound(f, g, u) > least)) return;
+  dcm::FaceOverlap most;
+  if (!dcm::face_overlap(f, g, u, most) || !(most.depth > least)) return;
+  if (most.depth > DEEP * limit &&
+      !deep_in_each_other(fi, most.on_f, gi, most.on_g, 0.5 * DEEP * limit))
+    return;
+  count.overlap = std::max(count.overlap, most.depth);
+  if (!(most.depth > count.share * limit)) return;
+  const auto &faces = fix_cell->faces();
+  count.share = most.depth / limit;
+  count.deepest = most.depth;
   count.deep[0] = atom->molecule[faces[fi].atom];
   count.deep[1] = atom->molecule[faces[gi].atom];
 }

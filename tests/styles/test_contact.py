@@ -93,6 +93,24 @@ def test_two_spheres_are_jkr(lmp, scenes, adhesion):
         assert strongest == 0.0
 
 
+@pytest.mark.parametrize("overlap", [0.1, 0.32, 0.49])
+def test_pressure_of_packed_spheres(lmp, scenes, overlap):
+    """A close packing, overlaps in radii: each of 12 contacts at distance d carries P d^2/2 sqrt 2,
+    by which the page says how soft center-based cells are. By the virial: 3 P V = 6 F d, with
+    V = d^3/sqrt 2."""
+    R = 6.0
+    d = R * (2 - overlap)
+    edge = math.sqrt(2) * d
+    scene = scenes.Scene(edge, "p p p")
+    for n in np.ndindex(2, 2, 2):
+        for corner in ((0, 0, 0), (0, 0.5, 0.5), (0.5, 0, 0.5), (0.5, 0.5, 0)):
+            scene.cbm(*(edge * (np.add(n, corner) - 0.9)), R)
+    deck = scene.head() + scene.contact("", "W 0") + "fix cell all dcm/cell\n"
+    row = lmp(deck + scenes.thermo(["c_thermo_press"]) + "run 0\n").thermo[0]
+    hertz = 4 / 3 * effective(E_SPHERE, E_SPHERE) * math.sqrt(R / 2) * (overlap * R) ** 1.5
+    assert row["c_thermo_press"] == pytest.approx(2 * math.sqrt(2) * hertz / d**2, rel=1e-9)
+
+
 def test_two_spheres_against_granular_jkr(lmp, scenes):
     """The same motion with LAMMPS' own JKR (gamma there is half the work of adhesion)."""
     granular = f"""

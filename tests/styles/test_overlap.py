@@ -225,6 +225,27 @@ def test_filled_and_overlap_are_output(lmp, scenes, np_):
     assert row["c_p[5]"] == pytest.approx(0.2, abs=1e-9)
 
 
+@pytest.mark.parametrize("np_", [1, 2])
+@pytest.mark.parametrize("overlap", [0.1, 0.4])
+def test_overlap_between_the_middles_of_coarse_faces(lmp, scenes, overlap, np_):
+    """Two balls of 42 nodes, node against node: the tips overlap although the surfaces are a gap
+    apart in front of the middles of all faces."""
+    nodes, faces = scenes.icosphere(1)
+    top = nodes[0]
+    side = np.cross(top, [0.0, 0.0, 1.0])
+    side /= np.linalg.norm(side)
+    turned = 6.0 * nodes @ np.array([top, side, np.cross(top, side)]).T  # nodes at +x and at -x
+    lower = turned[faces[np.any(faces == 0, axis=1)]].mean(axis=1)[:, 0].max()
+    assert 2 * (6.0 - lower) > 0.4  # middles of the faces around a tip
+    mesh = ("ball.off", len(nodes), len(faces))
+    scene = scenes.Scene(25.0)
+    for x in (-1, 1):
+        scene.dcm(x * (6.0 - overlap / 2), 0, 0, 6.0, mesh=mesh, options="scale nodes")
+    deck = whole(scene) + OUTPUT + scenes.thermo(["c_p[5]"]) + "run 0\n"
+    row = lmp(deck, np=np_, files={"ball.off": scenes.off(turned, faces)}).thermo[0]
+    assert row["c_p[5]"] == pytest.approx(overlap, abs=1e-9)
+
+
 def test_spheres_count_in_periodic_boxes(lmp, scenes):
     for boundary, counted in (("p p p", True), ("f p p", False)):
         scene = scenes.Scene(20.0, boundary)

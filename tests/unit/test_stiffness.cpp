@@ -22,8 +22,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double SINGLE = 2.0e-7;    // three times the round-off of single precision
-constexpr int ROWS = 2, FIELDS = 2;  // cells of random_system(), blocks of each
+constexpr double SINGLE = 2.0e-7;      // three times the round-off of single precision
+constexpr int ROWS = 2, FIELDS = 2;    // cells of random_system(), blocks of each
 
 struct Alone {
   int sums = 0;

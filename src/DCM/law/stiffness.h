@@ -117,8 +117,8 @@ class StiffnessSystem {
   std::vector<MeanBlock> means;
   std::vector<int> members;    ///< of all means, likewise
 
-  /// For a style that adds blocks of cells, whose rows are below `rows`; the same everywhere, in the
-  /// same order.
+  /// For a style that adds blocks of cells, whose rows are below `rows`; the same everywhere, in
+  /// the same order.
   int add_field(int rows)
   {
     nrows = rows;

@@ -133,12 +133,12 @@ class Voxels {
   };
 
   double range = 0.0;
-  double farthest = 0.0;            // of the middle of a face from that of a voxel that lists it
-  Grid voxels, bins;                // bins: of faces by their middle
-  std::vector<int> lists_of;        // by voxel: number of its list, or NONE
+  double farthest = 0.0;        // of the middle of a face from that of a voxel that lists it
+  Grid voxels, bins;            // bins: of faces by their middle
+  std::vector<int> lists_of;    // by voxel: number of its list, or NONE
   std::vector<std::vector<int>> lists;    // the first `made` are of this build
   int made = 0;
-  std::vector<int> first;           // by bin: its plates
+  std::vector<int> first;    // by bin: its plates
   std::vector<Plate> plates, unsorted;
 
   // by bin, ascending numbers of faces in each
