@@ -228,8 +228,8 @@ def test_stiff_contacts_take_the_same_steps(lmp, scenes):
 
 @pytest.mark.parametrize("np_", [1, 2, 4])
 def test_a_plane_may_be_as_stiff_as_it_likes(lmp, scenes, np_):
-    """Backward Euler: a step divides the distance from the plane by 1 + dt K/Gamma, Gamma = g A, of a
-    sphere and of a cell held by the mean of its nodes; here by 200 and 450, where explicit steps
+    """Backward Euler: a step divides the distance from the plane by 1 + dt K/Gamma, Gamma = g A, of
+    a sphere and of a cell held by the mean of its nodes; here by 450 and 200, where explicit steps
     overshoot."""
     K, dt, radii = 1.5e3, 60.0, (6.0, 4.0)
     scene = scenes.Scene(20.0, "f f f")

@@ -146,7 +146,8 @@ def free_spheres(scenes, n, boundary="p p p"):
 
 @pytest.mark.parametrize(
     "options",
-    ["", "persistence 3.0", "plane z", "bias 1 0 0 2.0", "interval 5", "interval 5 persistence 3.0"],
+    ["", "persistence 3.0", "plane z", "bias 1 0 0 2.0", "interval 5",
+     "interval 5 persistence 3.0"],
 )
 def test_free_spheres_diffuse(lmp, scenes, options):
     """MSD = 2 D t per direction within three standard errors; bias: drift F/Gamma."""
