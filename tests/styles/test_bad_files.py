@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from support.bad_decks import fails, whole
+from support.cycle_decks import counting
 
 
 @pytest.fixture(scope="module")
@@ -310,3 +311,42 @@ def test_log_disk_full(lmp, scenes, case):
     contact = scene.contact().replace("neighbor 0.6", "neighbor 1.0")
     fails(lmp, whole(scene, contact=contact, extra=text.format(map=scene.map)),
           f"{style}: cannot write to log /dev/full: No space left")
+
+
+LIMIT = """\
+P=$PPID
+while [ "$(cat /proc/$P/comm)" != lmp ]; do P=$(ps -o ppid= -p $P | tr -d " "); done
+prlimit --pid $P --fsize=1024
+"""
+
+
+def small_disk(lmp, monkeypatch):
+    """Command for a deck after which files of lmp take no more than 1024 bytes, as on a disk that
+    fills during the run."""
+    wrapper = lmp.folder / "small_disk"    # which ignores the signal that comes with it
+    wrapper.write_text(f'#!/bin/sh\ntrap "" XFSZ\nexec {lmp.lmp} -log none "$@"\n')
+    wrapper.chmod(0o755)
+    monkeypatch.setattr(lmp, "lmp", str(wrapper))
+    return "shell sh limit.sh\n"
+
+
+def test_disk_fills_while_cells_die(lmp, monkeypatch):
+    """One error with the style, the file and the reason; what was written before stays."""
+    deck = counting(60, "cycle_time 1e9") + "fix death all dcm/death rate 1e-2 seed 3 log d.log\n"
+    whole_log = (lmp(deck + "run 400\n").path / "d.log").read_text()
+    assert len(whole_log) > 1500
+    result = lmp.run(small_disk(lmp, monkeypatch) + deck + "run 400\n", files={"limit.sh": LIMIT})
+    assert result.returncode != 0
+    assert "Fix dcm/death: cannot write to log d.log: File too large" in result.error
+    written = (result.path / "d.log").read_text()
+    assert 900 < len(written) <= 1024 and whole_log.startswith(written)
+
+
+def test_disk_fills_while_a_rest_file_is_written(lmp, scenes, monkeypatch):
+    """The file of before stays, and nothing half done beside it."""
+    deck = whole(scenes.doublet()) + "run 0\nfix_modify cell rest/write cells.rest\n"
+    result = lmp.run(small_disk(lmp, monkeypatch) + deck,
+                     files={"cells.rest": "old", "limit.sh": LIMIT})
+    assert "Fix dcm/cell: cannot write rest-state file cells.rest: File too large" in result.error
+    assert (result.path / "cells.rest").read_text() == "old"
+    assert not list(result.path.glob("cells.rest?*"))
