@@ -341,7 +341,8 @@ def report_text(table):
         line = f"{name:32s} {row['seeds']:6d}" + "".join(
             f"{row[n]:15.3g}" if row[n] == row[n] else f"{'-':>15s}" for n in names)
         lines.append(line + (f"   {row['failed']} failed" if row["failed"] else ""))
-    lines += ["", "areas of the section in um^2, means over the seeds: of the end, with its standard",
+    lines += ["",
+              "areas of the section in um^2, means over the seeds: of the end, with its standard",
               "deviation sd, and of the middle half of the run; torn: part of the runs whose marks",
               "have reached the outside",
               "", "against the published outcome (acceptance numbers: tools/lib/study.py):"]
