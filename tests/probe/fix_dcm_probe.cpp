@@ -212,7 +212,7 @@ double FixDCMProbe::contact_stiffness()
   for (const int slot : moving) v[(size_t) dcm::STRIDE * slot] = 1.0;
   struct {
     void sum(double *, int) {}
-    void sum_cells(double *) {}
+    void sum_cells(double *, int) {}
   } alone;    // contacts need no sums over cells
   blocks.merge();
   return blocks.apply(1.0, (size_t) system.nall + 1, v.data(), y.data(), alone);
