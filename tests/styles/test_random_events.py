@@ -101,6 +101,18 @@ def test_a_cell_has_its_time_to_die(lmp):
             assert 0.0 <= time - reference[cell] < latest + 1e-6, (cell, time, reference[cell])
 
 
+def test_the_time_to_die_goes_on_after_a_restart(lmp):
+    start = counting(60, "cycle_time 1e9")
+    death = "fix death all dcm/death rate 1e-3 seed 6 every 3 log death.log\n"
+    whole = lmp(start + death + "run 500\nwrite_restart x.restart\nrun 500\n").path
+    fixes = start[start.index("comm_modify"):] + death
+    again = lmp(f"read_restart {whole / 'x.restart'}\n" + fixes + "run 500\n").path
+    log, late = read_deaths(whole / "death.log"), read_deaths(again / "death.log")
+    after = log.time > 500.0
+    assert len(late) > 10
+    assert list(late.cell) == list(log.cell[after]) and list(late.time) == list(log.time[after])
+
+
 def test_who_rests_does_not_depend_on_the_number_of_the_step(lmp, scenes):
     """Half of the cells are sent to quiescence; the choice depends on the seed."""
     def resting(shift, seed=3):
