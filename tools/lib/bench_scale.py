@@ -87,6 +87,7 @@ class Run:
         self.iterations, self.nodes = float(last[1]), float(last[2]) / ranks
         self.resident = (mean[n + 1] - mean[n]) / self.nodes / 1024
         memory = re.findall(r"memory allocation .* = (\S+) \| (\S+) \| (\S+) Mbytes", log)
+        self.seconds = float(re.search(r"Loop time of (\S+)", log)[1])
         self.lammps = float(memory[-1][1]) * 1024 / self.nodes
 
 
@@ -131,8 +132,9 @@ def main():
                 total[ranks] = line(ranks, short, long, 2 * n, "step")
                 line(ranks, long, often, 3 * n, "rebuild")
                 notes.append(f"{ranks:5d} {long.iterations:11.1f} {long.lammps:14.2f} "
-                             f"{long.resident:14.2f}")
-            print("ranks  iterations  KiB a node: LAMMPS      resident")
+                             f"{long.resident:14.2f} "
+                             f"{1e6 * (long.seconds - short.seconds) / (2 * n * long.nodes):22.2f}")
+            print("ranks  iterations  KiB a node: LAMMPS      resident    us a node-step (time)")
             print("\n".join(notes))
     print(f"bytes_per_step: {max(total.values()):.0f}")
 
