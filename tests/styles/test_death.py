@@ -1,5 +1,6 @@
 """Deaths: who dies, shrinking, counts, tags and memory over many births and deaths."""
 
+import os
 import re
 
 import numpy as np
@@ -193,6 +194,7 @@ def test_counts_at_once(lmp, scenes, np_):
     assert counts(result) == [whole] * 20 + [some] * 21
 
 
+@pytest.mark.skipif(os.environ.get("DCM_PRESET") == "asan", reason="it keeps memory that is free")
 def test_tags_and_memory_stay_bounded(lmp, scenes):
     """Ten spheres, in each of 1000 cycles each divides and one of the daughters dies."""
     deck = counting(20, "cycle_time 10").replace("boundary f f f", "boundary p p p")
