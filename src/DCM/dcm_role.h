@@ -43,7 +43,8 @@ class DCMRole {
     HAS_TRACERS = 32U,      // touch_faces() tells what tracers are near to
     FIXED_STEP = 64U,       // its scheme in time needs steps of one length
     IMPLICIT = 128U,        // wants the stiffness of all others as well
-    CHOOSES_STEP = 256U     // and takes steps that others stand
+    CHOOSES_STEP = 256U,    // and takes steps that others stand
+    SHORTENS_STEP = 512U    // takes shorter steps than the timestep of the deck where it must
   };
 
   virtual unsigned traits() const { return 0U; }

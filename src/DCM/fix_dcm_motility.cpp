@@ -108,7 +108,7 @@ void FixDCMMotility::init()
   parameters.resolve();
   read_types();
   const double parts = interval / update->dt;
-  if (interval > 0.0 && !(traits_of(lmp) & CHOOSES_STEP) &&
+  if (interval > 0.0 && !(traits_of(lmp) & (CHOOSES_STEP | SHORTENS_STEP)) &&
       !(parts > 0.5 && std::fabs(parts - std::round(parts)) < WHOLE * parts))
     error->all(FLERR,
                "{}: interval {} is no multiple of the timestep {}; choose one that is, or let fix "

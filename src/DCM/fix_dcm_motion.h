@@ -59,7 +59,8 @@ class FixDCMMotion : public Fix, public DCMRole {
 
   unsigned traits() const override
   {
-    return MOVES | (implicit ? IMPLICIT : 0U) | (automatic ? CHOOSES_STEP : 0U);
+    return MOVES | (implicit ? IMPLICIT : 0U) | (automatic ? CHOOSES_STEP : 0U) |
+           (shrinks ? SHORTENS_STEP : 0U);
   }
   std::string work() override;
 

@@ -64,6 +64,13 @@ def test_restart_within_an_interval(lmp, scenes, motion):
         same(frame, frames[frame.step], COLUMNS)
 
 
+def test_a_run_goes_on_after_a_step_that_was_shortened(lmp, scenes):
+    """The timestep that a run begins with is then no part of the interval: no reason to refuse it."""
+    deck = wanderers(scenes, "interval 12").replace("maxmove 10", "maxmove 0.05 shrink")
+    result = lmp(deck + scenes.thermo(["dt", "time"]) + "timestep 4.0\nrun 3\nrun 3\n")
+    assert result.runs[1][0]["Dt"] < 3.9
+
+
 def test_intervals_hold_whole_steps(lmp, scenes):
     fails(lmp, wanderers(scenes, "interval 2.5") + "timestep 1.0\n",
           "interval 2.5 is no multiple of the timestep 1")
