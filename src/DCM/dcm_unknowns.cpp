@@ -12,6 +12,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "fix_dcm_cell.h"
 
 using namespace LAMMPS_NS;
 
@@ -33,6 +34,7 @@ void DCMUnknowns::number(int groupbit, const std::vector<double> &owner)
 {
   dcm = AtomVecDCM::require(lmp, "Fix dcm/motion");
   owner_of = owner;
+  first_node.clear();
   const int nlocal = atom->nlocal, nghost = atom->nghost;
   slots.assign(nlocal + nghost, FIXED);
   atoms.assign(1, -1);
@@ -75,8 +77,30 @@ void DCMUnknowns::send_requests()
   });
 }
 
+/* ----------------------------------------------------------------------
+   once after a rebuild, if somebody asks: a counting sort over the cells
+------------------------------------------------------------------------- */
+
+void DCMUnknowns::sort_nodes()
+{
+  const auto *const cell = FixDCMCell::require(lmp, "Fix dcm/motion");
+  first_node.assign((size_t) cell->cells().size() + 1, 0);
+  const auto row_of = [&](int slot) {
+    const int i = atoms[slot];
+    return dcm->kind[i] == AtomVecDCM::NODE ? cell->cell_of(i) : -1;
+  };
+  for (int s = 1; s <= nowned(); s++)
+    if (row_of(s) >= 0) first_node[row_of(s) + 1]++;
+  for (size_t row = 1; row < first_node.size(); row++) first_node[row] += first_node[row - 1];
+  nodes.resize(first_node.back());
+  std::vector<int> next(first_node.begin(), first_node.end() - 1);
+  for (int s = 1; s <= nowned(); s++)
+    if (row_of(s) >= 0) nodes[next[row_of(s)]++] = s;
+}
+
 double DCMUnknowns::memory_usage() const
 {
   return (double) owner_of.capacity() * sizeof(double) +
-         (double) (slots.capacity() + atoms.capacity()) * sizeof(int);
+         (double) (slots.capacity() + atoms.capacity() + first_node.capacity() + nodes.capacity()) *
+             sizeof(int);
 }

@@ -35,6 +35,19 @@ class DCMUnknowns : protected Pointers {
   int atom_of(int slot) const { return atoms[slot]; }    // local index; owned slots only
   int nowned() const { return (int) atoms.size() - 1; }
 
+  // owned slots of the nodes of a cell, ascending; row: of the table of cells
+
+  struct Nodes {
+    const int *first, *last;
+    const int *begin() const { return first; }
+    const int *end() const { return last; }
+  };
+  Nodes nodes_of(int row)
+  {
+    if (first_node.empty()) sort_nodes();
+    return {nodes.data() + first_node[row], nodes.data() + first_node[row + 1]};
+  }
+
   // ---- for fix dcm/motion alone
 
   bool moves(int i, int groupbit) const;
@@ -54,8 +67,11 @@ class DCMUnknowns : protected Pointers {
   std::vector<int> slots;          // per owned + ghost atom
   std::vector<int> atoms;          // per owned slot
   std::vector<double> owner_of;    // per owned + ghost atom
+  std::vector<int> first_node;     // per row of the table, and the end; empty: nobody has asked
+  std::vector<int> nodes;          // slots, those of one cell next to each other
 
   int ask(int i);
+  void sort_nodes();
 };
 
 }    // namespace LAMMPS_NS

@@ -345,40 +345,21 @@ void FixDCMConfine::pre_reverse(int /*eflag*/, int /*vflag*/)
 void FixDCMConfine::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unknowns)
 {
   if (plane < 0) return;
-  const auto &table = cell->cells();
-  const int field = system.add_field(table.size());
-  const auto holds = [this](int mask) {
-    return (mask & plane_bit) != 0;
-  };
-
-  // the nodes of one cell next to each other, by a counting sort over the cells
-
-  members.assign(table.size(), 0);
-  const auto row_of = [&](int i) {
-    const int row = dcm->kind[i] == AtomVecDCM::NODE ? cell->cell_of(i) : -1;
-    return row >= 0 && holds(table[row].mask) ? row : -1;
-  };
   for (int s = 1; s <= unknowns.nowned(); s++) {
-    const int i = unknowns.atom_of(s), row = row_of(i);
-    if (row >= 0) members[row]++;
-    if (dcm->kind[i] != AtomVecDCM::SPHERE || !holds(atom->mask[i])) continue;
+    const int i = unknowns.atom_of(s);
+    if (dcm->kind[i] != AtomVecDCM::SPHERE || !(atom->mask[i] & plane_bit)) continue;
     dcm::EdgeBlock block = {s, 0, 0.0, spring, {0.0, 0.0, 0.0}};
     block.e[plane] = 1.0;
     system.edges.push_back(block);
   }
-  size_t next = system.members.size();
+  const auto &table = cell->cells();
+  const int field = system.add_field(table.size());
   for (const int c : table.deformable()) {
-    if (!holds(table[c].mask)) continue;
-    const size_t first = next;
-    next += members[c];
-    members[c] = first;
-    system.means.push_back(
-        {first, next, spring, 1.0 / std::max(1, table[c].nnodes), plane, c, field});
-  }
-  system.members.resize(next);
-  for (int s = 1; s <= unknowns.nowned(); s++) {
-    const int row = row_of(unknowns.atom_of(s));
-    if (row >= 0) system.members[members[row]++] = s;
+    if (!(table[c].mask & plane_bit)) continue;
+    const size_t begin = system.members.size();
+    for (const int s : unknowns.nodes_of(c)) system.members.push_back(s);
+    system.means.push_back({begin, system.members.size(), spring,
+                            1.0 / std::max(1, table[c].nnodes), plane, c, field});
   }
 }
 
@@ -451,6 +432,5 @@ double FixDCMConfine::compute_vector(int i)
 
 double FixDCMConfine::memory_usage()
 {
-  return (double) cell_force.capacity() * sizeof(double) +
-         (double) members.capacity() * sizeof(size_t);
+  return (double) cell_force.capacity() * sizeof(double);
 }

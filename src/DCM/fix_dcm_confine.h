@@ -77,7 +77,6 @@ class FixDCMConfine : public Fix, public DCMRole {
   double energy, farthest;    // of this rank's cells; deformable ones count on rank 0
 
   std::vector<double> cell_force;    // per deformable cell 3
-  std::vector<size_t> members;       // per cell: where its nodes are in the stiffness
 
   void add_force(const double *, int, double *);
   void estimate_reference();

@@ -308,41 +308,18 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
   }
   comm->reverse_comm(this, width);
 
-  // the nodes of one cell next to each other, by a counting sort over the cells
-
-  const DCMAtoms *const dcm = AtomVecDCM::require(lmp, STYLE);
   const auto &table = cell->cells();
-  auto &begin = first_node;
-  if (begin.size() < (size_t) table.size()) begin.resize(table.size());
-  for (const int c : table.deformable()) begin[c] = 0;
-  const int nowned = unknowns.nowned();
-  const auto row_of = [&](int s) {
-    const int i = unknowns.atom_of(s);
-    const int row = dcm->kind[i] == AtomVecDCM::NODE ? cell->cell_of(i) : -1;
-    return row >= 0 && acts_on(table[row]) ? row : -1;
-  };
-  for (int s = 1; s <= nowned; s++) {
-    const int row = row_of(s);
-    if (row >= 0) begin[row]++;
-  }
-  size_t next = system.nodes.size();
   const int field = system.add_field(table.size());
   for (const int c : table.deformable()) {
     const auto &it = table[c];
-    const size_t first = next;
-    next += begin[c];
-    begin[c] = first;
-    if (acts_on(it))
-      system.cells.push_back(
-          {first, next, dcm::pressure_stiffness(K_V[it.type], it.volume), c, field});
-  }
-  system.nodes.resize(next);
-  for (int s = 1; s <= nowned; s++) {
-    const int row = row_of(s);
-    if (row < 0) continue;
-    auto &it = system.nodes[begin[row]++];
-    it.n = s;
-    dcm::vec(it.g) = dcm::vec(&node[(size_t) width * unknowns.atom_of(s)]);
+    if (!acts_on(it)) continue;
+    const size_t begin = system.nodes.size();
+    for (const int s : unknowns.nodes_of(c)) {
+      const double *const g = &node[(size_t) width * unknowns.atom_of(s)];
+      system.nodes.push_back({s, {g[0], g[1], g[2]}});
+    }
+    system.cells.push_back(
+        {begin, system.nodes.size(), dcm::pressure_stiffness(K_V[it.type], it.volume), c, field});
   }
 }
 
@@ -390,6 +367,5 @@ double FixDCMVolume::compute_vector(int i)
 
 double FixDCMVolume::memory_usage()
 {
-  return (double) (pressure.capacity() + node.capacity()) * sizeof(double) +
-         (double) first_node.capacity() * sizeof(size_t);
+  return (double) (pressure.capacity() + node.capacity()) * sizeof(double);
 }

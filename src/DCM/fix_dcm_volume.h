@@ -64,10 +64,9 @@ class FixDCMVolume : public Fix, public DCMRole {
   double energy = 0.0, total = 0.0, count = 0.0;    // of cells whose center is here; pressures
   double extremes[2] = {0.0, 0.0}, all[3] = {0.0, 0.0, 0.0};
   bool summed = true;
-  bigint checked = -1;               // changes of cells when their parameters were looked at
-  std::vector<double> node;          // sums per atom. voronoi: area, curvature vector, normal
-  int width = 0;                     // numbers per atom
-  std::vector<size_t> first_node;    // of the nodes of a cell in a stiffness system
+  bigint checked = -1;         // changes of cells when their parameters were looked at
+  std::vector<double> node;    // sums per atom. voronoi: area, curvature vector, normal
+  int width = 0;               // numbers per atom
 
   void read_moduli();
   bool acts_on(const DCMCellTable::Cell &) const;

@@ -211,24 +211,25 @@ class StiffnessSystem {
   template <class Communicator>
   double apply_cells(double dt, const double *p, double *y, Communicator &comm)
   {
-    mine.assign(cells.size() + means.size(), 0.0);
+    mine.resize(cells.size() + means.size());
     whole.resize((std::size_t) nrows * nfields);
     wide.clear();
     double *m = mine.data();
     for (const auto &b : cells) {
+      double sum = 0.0;
       for (std::size_t i = b.begin; i < b.end; i++)
-        for (int k = 0; k < 3; k++) *m += nodes[i].g[k] * p[STRIDE * (std::size_t) nodes[i].n + k];
+        for (int k = 0; k < 3; k++) sum += nodes[i].g[k] * p[STRIDE * (std::size_t) nodes[i].n + k];
       if (b.row < 0)
-        wide.push_back(*m);
+        wide.push_back(sum);
       else
-        whole[place(b)] = *m;
-      m++;
+        whole[place(b)] = sum;
+      *m++ = sum;
     }
     for (const auto &b : means) {
+      double sum = 0.0;
       for (std::size_t i = b.begin; i < b.end; i++)
-        *m += p[STRIDE * (std::size_t) members[i] + b.axis];
-      *m *= b.share;
-      whole[place(b)] = *m++;
+        sum += p[STRIDE * (std::size_t) members[i] + b.axis];
+      *m++ = whole[place(b)] = b.share * sum;
     }
     if (nfields > 0) comm.sum_cells(whole.data(), nfields);
     if (!wide.empty()) comm.sum(wide.data(), (int) wide.size());
