@@ -65,7 +65,7 @@ def test_restart_within_an_interval(lmp, scenes, motion):
 
 
 def test_a_run_goes_on_after_a_step_that_was_shortened(lmp, scenes):
-    """The timestep that a run begins with is then no part of the interval: no reason to refuse it."""
+    """The timestep that a run begins with is then no part of the interval, and no error."""
     deck = wanderers(scenes, "interval 12").replace("maxmove 10", "maxmove 0.05 shrink")
     result = lmp(deck + scenes.thermo(["dt", "time"]) + "timestep 4.0\nrun 3\nrun 3\n")
     assert result.runs[1][0]["Dt"] < 3.9
