@@ -146,7 +146,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
                           {r.u[0], r.u[1], r.u[2]},
                           r.area * mat.gn,
                           r.area * mat.gt});
-    if constexpr (SLOPE) contact_slope.push_back(std::max(0.0, weight * r.slope));
+    if constexpr (SLOPE) contact_slope.push_back(slope_of(r, f, weight, &g));
   }
 }
 
@@ -209,7 +209,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mi
                           {r.u[0], r.u[1], r.u[2]},
                           r.area * mat.gn,
                           r.area * mat.gt});
-    if constexpr (SLOPE) contact_slope.push_back(std::max(0.0, weight * r.slope));
+    if constexpr (SLOPE) contact_slope.push_back(slope_of(r, f, weight, nullptr));
   }
 }
 

@@ -239,7 +239,10 @@ class PairDCMContact : public Pair, public DCMRole {
   std::vector<double> area, stress, moment, modulus, near_sum, near_count;    // per atom
   std::vector<dcm::ContactBlock> contacts;
   std::vector<dcm::EdgeBlock> spheres;
-  std::vector<double> contact_slope;               // of contacts: normal force/overlap, >= 0
+  struct Slope {
+    double slope, tilt[2][6];    // normal force/overlap, >= 0; contact_tilt.h
+  };
+  std::vector<Slope> contact_slope;                // of contacts
   std::vector<dcm::EdgeBlock> sphere_stiffness;    // of spheres
   std::vector<Partner> partner_list;               // of this rank, or merged of all
   bool partners_merged = true;
@@ -284,6 +287,8 @@ class PairDCMContact : public Pair, public DCMRole {
   void compute_spheres(int);
   template <bool SISTERS, bool SLOPE> void sphere_contacts(int);
   void clear_blocks();
+  static Slope slope_of(const dcm::ContactResult &, const dcm::FaceGeometry &, double weight,
+                        const dcm::FaceGeometry *);
   static std::vector<std::string> law_names();
   int find_sisters(tagint, tagint) const;
   void add_partner(tagint, tagint, double);

@@ -520,7 +520,7 @@ double PairDCMContact::memory_usage()
            sizeof(double);
   bytes += (double) contacts.capacity() * sizeof(dcm::ContactBlock);
   bytes += (double) (spheres.capacity() + sphere_stiffness.capacity()) * sizeof(dcm::EdgeBlock);
-  bytes += (double) contact_slope.capacity() * sizeof(double);
+  bytes += (double) contact_slope.capacity() * sizeof(Slope);
   bytes += (double) table.capacity() * sizeof(dcm::ContactMaterial);
   return bytes;
 }

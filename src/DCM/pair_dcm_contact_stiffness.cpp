@@ -15,6 +15,7 @@
 
 #include "dcm_contact_faces.h"
 #include "dcm_unknowns.h"
+#include "law/contact_tilt.h"
 #include "law/friction.h"
 #include "law/stiffness.h"
 
@@ -75,27 +76,49 @@ void PairDCMContact::add_friction(dcm::FrictionSystem &system, DCMUnknowns &unkn
 }
 
 /* ----------------------------------------------------------------------
-   Stiffness of a contact with a face: the slope of its force along u, between the same two mean
-   positions as its friction. A law's stiffness is int (dp/d delta) w w^T dA with w the barycentric
-   weights at a point of the contact, all positive where the slope is. What is taken is the part in
-   which the contact moves as a whole, the product of means; the tilt of the faces against each
-other, a second moment over less than a face, is left out. The weights of the force will not do:
-where pressure and adhesion of a contact nearly balance, the point at which their sum acts lies far
-   outside the faces.
+   Slope of a contact of f with g, or with a sphere, which does not tilt. Those in the ring have
+none that is positive: softening
+------------------------------------------------------------------------- */
 
-   The list is that of the friction; those without slope (in the ring: softening) are left out.
+PairDCMContact::Slope PairDCMContact::slope_of(const dcm::ContactResult &r,
+                                               const dcm::FaceGeometry &f, double weight,
+                                               const dcm::FaceGeometry *g)
+{
+  Slope s = {};
+  s.slope = weight * r.slope;
+  if (!(s.slope > 0.0)) return Slope();
+  double w[2][3];
+  dcm::contact_tilt(f, r.u, r.moment, w);
+  for (int m = 0; m < 2; m++)
+    for (int k = 0; k < 3; k++) s.tilt[m][k] = w[m][k];
+  if (g == nullptr) return s;
+  dcm::contact_tilt(*g, r.u, r.moment, w);
+  for (int m = 0; m < 2; m++)
+    for (int k = 0; k < 3; k++) s.tilt[m][k + 3] = -w[m][k];
+  return s;
+}
+
+/* ----------------------------------------------------------------------
+   Stiffness of a contact with a face: the slope of its force along u, between the same two mean
+   positions as its friction, and for its tilts. The weights of the force will not do: where
+pressure and adhesion of a contact nearly balance, the point at which their sum acts lies far
+outside the faces.
+
+   The list is that of the friction; those without slope are left out.
 ------------------------------------------------------------------------- */
 
 void PairDCMContact::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unknowns)
 {
   add_edges(sphere_stiffness, system.edges, unknowns);
   for (size_t m = 0; m < contact_slope.size(); m++) {
+    const Slope &s = contact_slope[m];
     int n[6];
-    if (!(contact_slope[m] > 0.0) || !find_slots(contacts[m], unknowns, n)) continue;
-    system.contacts.push_back(contacts[m]);
-    auto &block = system.contacts.back();
-    std::copy(n, n + 6, block.n);
-    block.normal = contact_slope[m];
-    block.tangential = 0.0;
+    if (!(s.slope > 0.0) || !find_slots(contacts[m], unknowns, n)) continue;
+    system.contacts.push_back({contacts[m], {}});
+    auto &spring = system.contacts.back();
+    std::copy(n, n + 6, spring.mean.n);
+    spring.mean.normal = s.slope;
+    spring.mean.tangential = 0.0;
+    std::copy(s.tilt[0], s.tilt[0] + 12, spring.tilt[0]);
   }
 }

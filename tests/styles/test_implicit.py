@@ -207,23 +207,36 @@ def test_stiffness_moves_no_center_of_friction(lmp, scenes):
     assert np.abs(last.x - first.x).max() > 0.01
 
 
+def adhering(lmp, scenes, layer, longest):
+    """The end of 400 steps in which two cells of layers so thick (um) adhere and come to rest; m is
+    the longest way of a node in a step, in edges."""
+    scene = scenes.doublet(level=2)
+    return lmp(
+        scene.head() + "group a molecule 1\ngroup b molecule 2\n" + scene.cortex()
+        + scene.contact("law foundation", f"layer {layer}") + "fix cell all dcm/cell\n"
+        + scene.volume()
+        + scene.motion(options="scheme implicit tolerance 1e-3 "
+                       f"dt auto tol 0.02 max {longest}")
+        + scenes.thermo(["p=f_volume[1]", "d=xcm(b,x)-xcm(a,x)", "h=dt", "m=f_motion[4]"], 50)
+        + "timestep 1.0\nrun 400\n").thermo[-1]  # fmt: skip
+
+
 def test_stiff_contacts_take_the_same_steps(lmp, scenes):
     """Layers a tenth as thick are ten times as stiff, 119 kPa/um: friction over stiffness is 0.4 s.
-    The cells come to the same rest in steps of 20 s; nodes at the rim of the contact chatter."""
-    found = {}
-    for layer in (0.25, 0.025):
-        scene = scenes.doublet(level=2)
-        found[layer] = lmp(
-            scene.head() + "group a molecule 1\ngroup b molecule 2\n" + scene.cortex()
-            + scene.contact("law foundation", f"layer {layer}") + "fix cell all dcm/cell\n"
-            + scene.volume()
-            + scene.motion(options="scheme implicit tolerance 1e-3 dt auto tol 0.02 max 20")
-            + scenes.thermo(["p=f_volume[1]", "d=xcm(b,x)-xcm(a,x)", "h=dt"], 50)
-            + "timestep 1.0\nrun 400\n").thermo[-1]
-        assert found[layer]["v_h"] == 20.0
-    soft, stiff = found[0.25], found[0.025]
+    The cells come to the same rest in steps of 20 s."""
+    soft, stiff = (adhering(lmp, scenes, layer, 20) for layer in (0.25, 0.025))
+    assert soft["v_h"] == stiff["v_h"] == 20.0
     assert stiff["v_p"] == pytest.approx(soft["v_p"], rel=0.01)
     assert stiff["v_d"] == pytest.approx(soft["v_d"], rel=0.01)
+
+
+@pytest.mark.parametrize("layer, longest", [(0.25, 60), (0.1, 60), (0.025, 20)])
+def test_nodes_come_to_rest(lmp, scenes, layer, longest):
+    """The stiffness of contacts knows how faces tilt: without it nodes go a tenth of an edge and
+    more to and fro, step by step, while the cells as a whole rest."""
+    end = adhering(lmp, scenes, layer, longest)
+    assert end["v_h"] == longest
+    assert end["v_m"] < 0.002
 
 
 @pytest.mark.parametrize("np_", [1, 2, 4])

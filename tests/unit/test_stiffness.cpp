@@ -44,12 +44,12 @@ class Dense {
     for (int i : {b.i, b.j})
       for (int j : {b.i, b.j}) add(i, j, i == j ? m : Mat3(-m));
   }
-  void add(const ContactBlock &b)
+  void add(const ContactSpring &b)
   {
-    const Mat3 uu = vec(b.u) * vec(b.u).transpose();
-    const Mat3 m = b.tangential * (Mat3::Identity() - uu) + b.normal * uu;
-    for (int k = 0; k < 6; k++)
-      for (int l = 0; l < 6; l++) add(b.n[k], b.n[l], b.w[k] * b.w[l] * m);
+    const Mat3 m = b.mean.normal * vec(b.mean.u) * vec(b.mean.u).transpose();
+    for (const double *w : {b.mean.w, b.tilt[0], b.tilt[1]})
+      for (int k = 0; k < 6; k++)
+        for (int l = 0; l < 6; l++) add(b.mean.n[k], b.mean.n[l], w[k] * w[l] * m);
   }
   template <int N> void add(const RankOne<N> &b)
   {
@@ -83,6 +83,16 @@ void set(double *to, const Vec3 &from)
   vec(to) = from;
 }
 
+std::vector<int> slots(const RankOne<4> &b)
+{
+  return {b.n, b.n + 4};
+}
+
+std::vector<int> slots(const ContactSpring &b)
+{
+  return {b.mean.n, b.mean.n + 6};
+}
+
 // blocks of all kinds between slots 0 to n
 StiffnessSystem random_system(Random &random, int n)
 {
@@ -97,7 +107,8 @@ StiffnessSystem random_system(Random &random, int n)
     s.edges.push_back(b);
   }
   for (int k = 0; k < 2 * n; k++) {
-    ContactBlock b = {};
+    ContactSpring spring = {};
+    ContactBlock &b = spring.mean;
     for (int &i : b.n) i = any();    // a node may stand in two slots
     double sf = 0.0, sg = 0.0;
     for (int l = 0; l < 3; l++) {
@@ -110,7 +121,12 @@ StiffnessSystem random_system(Random &random, int n)
     }
     set(b.u, random.unit_vector());
     b.normal = random.uniform();
-    s.contacts.push_back(b);
+    for (auto &tilt : spring.tilt)
+      for (int side : {0, 3}) {
+        for (int l = 0; l < 2; l++) tilt[side + l] = random.uniform() - 0.5;
+        tilt[side + 2] = -tilt[side] - tilt[side + 1];
+      }
+    s.contacts.push_back(spring);
   }
   for (int k = 0; k < n; k++) {
     RankOne<4> b = {};
@@ -241,7 +257,7 @@ TEST(StiffnessBlocks, PackedMatrixIsSymmetricSemidefiniteAndBlindToTranslations)
   s.cells.clear();    // their random gradients see translations
   s.means.clear();    // and so does a plane
   auto inside = [](const auto &b) {
-    for (int i : b.n)
+    for (int i : slots(b))
       if (i == 0) return false;
     return true;
   };

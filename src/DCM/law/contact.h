@@ -45,8 +45,10 @@ struct ContactResult {
   double area;            ///< part of the common polygon with r <= c
   double bf[3], bg[3];    ///< barycentric weights (sum 1, within 0..1) of that part's centroid
   double slope;           ///< dF/d delta at fixed polygon, of either sign; only if asked for
-  double tilt;            ///< face_sphere() with LOCAL_GAP: cosine between u and the sphere's
-                          ///< surface there, for facing(): none beside its equator; else 1
+  double moment[3];    ///< second moments xx, xy, yy of that part per area, about its centroid, in
+                       ///< the frame of u (detail::frame): with the slope only
+  double tilt;         ///< face_sphere() with LOCAL_GAP: cosine between u and the sphere's
+                       ///< surface there, for facing(): none beside its equator; else 1
 
   /// Count the contact by a weight only; the slope, which few ask for, is left as it is.
   void scale(double weight)
@@ -215,6 +217,30 @@ namespace detail {
     return x * x + y * y;
   }
 
+  /// Second moments of a polygon about its centroid, per area, times area/(its own): what part of
+  /// it a contact takes is not known better.
+  inline void second_moments(const Boundary2 &poly, double area, double moment[3])
+  {
+    double whole = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+    for (int i = 0; i < poly.n; i++) {
+      const double ax = poly.x0[i] - poly.x0[0], ay = poly.y0[i] - poly.y0[0];
+      const double bx = poly.x1[i] - poly.x0[0], by = poly.y1[i] - poly.y0[0];
+      const double cross = ax * by - ay * bx;
+      whole += cross / 2.0;
+      x += cross * (ax + bx) / 6.0;
+      y += cross * (ay + by) / 6.0;
+      xx += cross * (ax * ax + ax * bx + bx * bx) / 12.0;
+      yy += cross * (ay * ay + ay * by + by * by) / 12.0;
+      xy += cross * (2.0 * (ax * ay + bx * by) + ax * by + bx * ay) / 24.0;
+    }
+    const double inv = whole > 0.0 ? 1.0 / whole : 0.0, share = std::min(1.0, area * inv);
+    x *= inv;
+    y *= inv;
+    moment[0] = share * std::max(0.0, xx * inv - x * x);
+    moment[1] = share * (xy * inv - x * y);
+    moment[2] = share * std::max(0.0, yy * inv - y * y);
+  }
+
   /// The gap of two spheres beside their axis. With s = r^2 the overlap is
   ///
   ///   o(s) = sqrt(Rf^2 - s) + sqrt(Rg^2 - s) - d    (signs of the radii at the roots)
@@ -273,8 +299,9 @@ inline double facing(double cosine)
 /// Contact of two faces.
 /// \param npoints  Gauss points per edge piece inside the core of the contact, 1 to 4
 /// \param existing the pair was in contact before: law maugis then keeps its neck below -h0
-/// \tparam SLOPE   give out.slope as well; moving g along u by s changes the force by -slope s
-/// \return false, cheaply, where there is none: faces that look away from each other, are too far,
+/// \tparam SLOPE   give out.slope and moment as well; moving g along u by s changes the force by
+/// -slope s \return false, cheaply, where there is none: faces that look away from each other, are
+/// too far,
 ///         do not overlap in projection, or whose sphere centers coincide (no axis)
 ///
 /// A concave face (R < 0) meets a convex one of less than half its radius as a ball in a cavity:
@@ -334,6 +361,7 @@ bool face_face(const FaceGeometry &f, const FaceGeometry &g, const ContactMateri
     out.slope = sum.slope;
   else if constexpr (SLOPE)
     out.slope = detail::secant<State>(mat, R, delta, poly, npoints, existing, sum.force);
+  if constexpr (SLOPE) detail::second_moments(poly, sum.area, out.moment);
 
   out.u = u;
   out.delta = delta;
@@ -400,6 +428,7 @@ bool face_sphere(const FaceGeometry &f, const Vec3 &center, double radius,
     out.slope = sum.slope;
   else if constexpr (SLOPE)
     out.slope = detail::secant<State>(mat, R, delta, poly, npoints, existing, sum.force);
+  if constexpr (SLOPE) detail::second_moments(poly, sum.area, out.moment);
 
   out.u = u;
   out.delta = delta;

@@ -8,10 +8,10 @@
 //
 //   cortex edge    EdgeBlock       cortex_stiffness_block()
 //   hinge          RankOne<4>      hinge_stiffness()
-//   contact        ContactBlock    weights and axis of its friction block
-//   volume         CellBlock       pressure_stiffness() and the gradient of the volume
-//   lumen          CellBlock       the same for the fluid in it, without a row
-//   plane          MeanBlock       of a cell that is held as a whole; spheres: EdgeBlock to slot 0
+//   contact        ContactSpring   weights and axis of its friction block, and its tilt
+//   (contact_tilt.h) volume         CellBlock       pressure_stiffness() and the gradient of the
+//   volume lumen          CellBlock       the same for the fluid in it, without a row plane
+//   MeanBlock       of a cell that is held as a whole; spheres: EdgeBlock to slot 0
 //
 // Every block is symmetric and positive semidefinite by its form. What would make -dF/dx
 // indefinite (tension below zero, the second derivatives of angle and volume, softening of a
@@ -41,6 +41,14 @@ template <int N> struct RankOne {
   int n[N];
   double c;
   double g[N][3];
+};
+
+/// Slope times the square of how far two surfaces approach each other along the axis of their
+/// contact, over the contact: once for the means of `mean` (normal: the slope, tangential: 0), once
+/// for each of two tilts, weights that sum to zero over either surface.
+struct ContactSpring {
+  ContactBlock mean;
+  double tilt[2][6];
 };
 
 /// One node of a cell: gradient of the cell's scalar (its volume) by the node's position.
@@ -86,16 +94,16 @@ inline void add_full_diagonal(const EdgeBlock &b, double dt, double *d)
   }
 }
 
-inline void add_full_diagonal(const ContactBlock &b, double dt, double *d)
+inline void add_full_diagonal(const ContactSpring &b, double dt, double *d)
 {
-  for (int k = 0; k < 6; k++) {    // a node may stand in two slots, see friction.h
-    double weight = 0.0;
-    for (int l = 0; l < 6; l++)
-      if (b.n[l] == b.n[k]) weight += b.w[l];
-    weight *= dt * b.w[k];
-    add_isotropic(d + 6 * (std::size_t) b.n[k], weight * b.tangential);
-    add_symmetric(d + 6 * (std::size_t) b.n[k], weight * (b.normal - b.tangential), b.u);
-  }
+  const int *const n = b.mean.n;
+  for (const double *w : {b.mean.w, b.tilt[0], b.tilt[1]})
+    for (int k = 0; k < 6; k++) {    // a node may stand in two slots, see friction_blocks.h
+      double weight = 0.0;
+      for (int l = 0; l < 6; l++)
+        if (n[l] == n[k]) weight += w[l];
+      add_symmetric(d + 6 * (std::size_t) n[k], dt * w[k] * weight * b.mean.normal, b.mean.u);
+    }
 }
 
 template <int N> void add_full_diagonal(const RankOne<N> &b, double dt, double *d)
@@ -110,7 +118,7 @@ template <int N> void add_full_diagonal(const RankOne<N> &b, double dt, double *
 class StiffnessSystem {
  public:
   std::vector<EdgeBlock> edges;
-  std::vector<ContactBlock> contacts;    ///< slope along u in `normal`; tangential is 0
+  std::vector<ContactSpring> contacts;
   std::vector<RankOne<4>> hinges;
   std::vector<CellBlock> cells;
   std::vector<CellNode> nodes;    ///< of all cells, those of one cell next to each other
@@ -148,7 +156,7 @@ class StiffnessSystem {
   double memory_usage() const
   {
     return (double) sizeof(EdgeBlock) * edges.capacity() +
-           (double) sizeof(ContactBlock) * contacts.capacity() +
+           (double) sizeof(ContactSpring) * contacts.capacity() +
            (double) sizeof(RankOne<4>) * hinges.capacity() +
            (double) sizeof(CellBlock) * cells.capacity() +
            (double) sizeof(CellNode) * nodes.capacity() +

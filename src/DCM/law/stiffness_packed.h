@@ -90,35 +90,45 @@ struct PackedHinge {
 };
 
 /* ----------------------------------------------------------------------
-   slope u u^T between two weighted means of three: u times the root of the slope; the weights of
-   the first three sum to 1, of the others to -1
+   slope u u^T between two weighted means of three, and for two tilts (ContactSpring): u times the
+   root of the slope. Of three weights the last follows from their sum, 1 and -1 for the means
 ------------------------------------------------------------------------- */
 
 struct PackedContact {
-  float u[3], none = 0.0F, w[4];
+  float u[3], none = 0.0F, w[3][4];
   int n[6];
 
-  explicit PackedContact(const ContactBlock &b)
+  template <class Spring> explicit PackedContact(const Spring &b)
   {
-    const double root = std::sqrt(b.normal);
-    for (int k = 0; k < 3; k++) u[k] = (float) (root * b.u[k]);
-    for (int l = 0; l < 2; l++) {
-      w[l] = (float) b.w[l];
-      w[l + 2] = (float) b.w[l + 3];
-    }
-    for (int l = 0; l < 6; l++) n[l] = b.n[l];
+    const double root = std::sqrt(b.mean.normal);
+    for (int k = 0; k < 3; k++) u[k] = (float) (root * b.mean.u[k]);
+    const double *const from[3] = {b.mean.w, b.tilt[0], b.tilt[1]};
+    for (int m = 0; m < 3; m++)
+      for (int l = 0; l < 2; l++) {
+        w[m][l] = (float) from[m][l];
+        w[m][l + 2] = (float) from[m][l + 3];
+      }
+    for (int l = 0; l < 6; l++) n[l] = b.mean.n[l];
   }
 
   double product(double dt, const double *p, double *y) const
   {
-    const double weight[6] = {w[0], w[1], 1.0 - w[0] - w[1], w[2], w[3], -1.0 - w[2] - w[3]};
-    Slot s = Slot::Zero();
-    for (int l = 0; l < 6; l++) s += weight[l] * slot(p + STRIDE * (std::size_t) n[l]);
+    // velocities along the axis, in each surface against that of its last node
     const Slot axis = packed_slot(u);
-    const double d = (s * axis).sum();
-    const Slot f = (dt * d) * axis;
-    for (int l = 0; l < 6; l++) slot(y + STRIDE * (std::size_t) n[l]) += weight[l] * f;
-    return dt * d * d;
+    double v[6];
+    for (int l = 0; l < 6; l++) v[l] = (slot(p + STRIDE * (std::size_t) n[l]) * axis).sum();
+    const double a[4] = {v[0] - v[2], v[1] - v[2], v[3] - v[5], v[4] - v[5]};
+    double d[3] = {v[2] - v[5], 0.0, 0.0};
+    for (int m = 0; m < 3; m++)
+      for (int l = 0; l < 4; l++) d[m] += (double) w[m][l] * a[l];
+
+    double f[6];
+    for (int l = 0; l < 4; l++)
+      f[l + l / 2] = dt * (w[0][l] * d[0] + w[1][l] * d[1] + w[2][l] * d[2]);
+    f[2] = dt * d[0] - f[0] - f[1];
+    f[5] = -dt * d[0] - f[3] - f[4];
+    for (int l = 0; l < 6; l++) slot(y + STRIDE * (std::size_t) n[l]) += f[l] * axis;
+    return dt * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   }
 };
 
