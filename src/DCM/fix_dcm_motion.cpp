@@ -41,7 +41,7 @@ static constexpr double KEEP = 2.0;
    fix ID group dcm/motion [FILE name1..nameN] [friction_ecm v] [tolerance t] [maxiter n]
                            [precondition block|jacobi|none] [maxmove m] [floor f]
                            [scheme explicit|implicit]
-                           [dt auto tol X [min A] [max B]] [stop T]
+                           [dt auto tol X [min A] [max B]] [accuracy A] [stop T]
 ------------------------------------------------------------------------- */
 
 FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
@@ -53,15 +53,15 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   least_free = 1e-6;
   implicit = true;
   automatic = shrinks = ended = false;
-  solver.tolerance = 1e-3;
+  solver.tolerance = 0.0;
   stop = std::numeric_limits<double>::infinity();
-  given = least = longest = 0.0;
+  given = least = longest = radius = 0.0;
   step = wanted = error_of_step = rejected = 0.0;
   nshort = shortest = 0.0;
 
-  DCMArgs args(
-      lmp, STYLE, narg - 3, arg + 3,
-      {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme", "dt", "stop"});
+  DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
+               {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme", "dt",
+                "accuracy", "stop"});
   parameters.parse(args, atom->ntypes);
   while (args.next()) {
     if (parameters.parse_keyword(args)) continue;
@@ -81,6 +81,9 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
       implicit = args.choose({"explicit", "implicit"}) == 1;
     } else if (args.is("dt")) {
       parse_step(args);
+    } else if (args.is("accuracy")) {
+      half.accuracy = args.number(DCMArgs::POSITIVE);
+      args.check(half.accuracy <= 0.2, "at most 0.2");
     } else if (args.is("stop")) {
       stop = args.number(DCMArgs::POSITIVE);
     } else {
@@ -89,6 +92,12 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
     }
   }
 
+  if (half.accuracy > 0.0) plan_accuracy();
+  if (solver.tolerance == 0.0) solver.tolerance = 1e-3;
+  if (automatic && control.tolerance == 0.0 && half.accuracy == 0.0)
+    error->all(FLERR,
+               "{}: dt auto needs tol, the error of a step, a length; or accuracy in its place",
+               STYLE);
   if (automatic && !implicit)
     error->all(FLERR, "{}: dt auto does not go with scheme explicit", STYLE);
   if (automatic && shrinks)
@@ -211,6 +220,7 @@ void FixDCMMotion::setup(int /*vflag*/)
 {
   stale = true;
   pending = deferred;
+  if (half.accuracy > 0.0) tell_accuracy();
   if (!deferred) solve(KEEP);
 }
 

@@ -19,6 +19,7 @@ FixStyle(dcm/motion,DCMTimedFix<FixDCMMotion>);
 
 #include "law/friction_comm.h"
 #include "law/friction_solver.h"
+#include "law/half_step.h"
 #include "law/step_control.h"
 #include "law/step_system.h"
 #include "dcm_parameters.h"
@@ -90,17 +91,20 @@ class FixDCMMotion : public Fix, public DCMRole {
   // dt auto, and maxmove X shrink
 
   dcm::StepControl control;
+  dcm::HalfStep half;    // accuracy A
+  double radius;         // of the cells it is relative to; 0: not known yet
   bool automatic, shrinks;
-  double step, wanted;               // its length, and were there no event; 0: not known yet
-  double given;                      // timestep of the deck, which comes back with unfix
-  double least, longest;             // keywords min and max, 0: from that timestep
-  double stop;                       // time at which runs end, infinite: never
-  bool ended;                        // that time has come
-  double nshort, shortest;           // steps shorter than the timestep since the start of the run
-  double error_of_step, rejected;    // of the coming step; since the start of the run
-  std::vector<double> motion, motion_before;    // of cells: 4 numbers per row
-  std::vector<RestAhead> ahead;                 // per row, to the end of the coming step
-  std::vector<double> ahead_forces;             // dcm::STRIDE per slot
+  double step, wanted;                 // its length, and were there no event; 0: not known yet
+  double given;                        // timestep of the deck, which comes back with unfix
+  double least, longest;               // keywords min and max, 0: from that timestep
+  double stop;                         // time at which runs end, infinite: never
+  bool ended;                          // that time has come
+  double nshort, shortest;             // steps shorter than the timestep since the start of the run
+  double error_of_step, rejected;      // of the coming step; since the start of the run
+  std::vector<double> before;          // velocities of the last step, dcm::STRIDE per slot
+  std::vector<double> cell_means;      // two numbers per row, largest_of_cells()
+  std::vector<RestAhead> ahead;        // per row, to the end of the coming step
+  std::vector<double> ahead_forces;    // dcm::STRIDE per slot
 
   double largest_move;          // dt |v| over mean edge (node) or radius (sphere)
   int slot_move;                // where, 0: on another process
@@ -117,8 +121,11 @@ class FixDCMMotion : public Fix, public DCMRole {
   double scale_of_move(int) const;
   void find_move(double);
   void check_move();
-  void measure_cells(std::vector<double> &);
+  template <class Terms, class Function> double largest_of_cells(Terms &&, Function &&);
   double change_of_velocity();
+  void plan_accuracy();
+  void tell_accuracy();
+  double check_half(double);
   void look_ahead(double);
   bool solve_system(double, double);
   void choose_step(double);

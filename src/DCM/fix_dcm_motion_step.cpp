@@ -35,7 +35,7 @@ using namespace LAMMPS_NS;
 using dcm::STRIDE;
 
 static const char STYLE[] = "Fix dcm/motion";
-static constexpr int RECORD = 1;    // version of the restart record
+static constexpr int RECORD = 2;    // version of the restart record
 
 // the steps of dt auto, where the deck does not say: from the timestep of the deck on, up to this
 // times as much
@@ -65,8 +65,6 @@ void FixDCMMotion::parse_step(DCMArgs &args)
     else
       break;
   }
-  if (control.tolerance == 0.0)
-    error->all(FLERR, "{}: dt auto needs tol, the error of a step, a length", STYLE);
   find_limits();
 }
 
@@ -115,52 +113,6 @@ void FixDCMMotion::look_ahead(double dt)
 }
 
 /* ----------------------------------------------------------------------
-   how the cells move: mean velocity of a deformable cell's nodes and the speed at which its surface
-   moves outward on the mean, or of its sphere; 4 numbers per row of the table, for cells that have
-   atoms here and spheres that are owned. What nodes do within a surface decays fast and leaves no
-   trace
-------------------------------------------------------------------------- */
-
-void FixDCMMotion::measure_cells(std::vector<double> &motion)
-{
-  const auto &table = cell->cells();
-  double **x = atom->x;
-  motion.assign(4 * table.all().size(), 0.0);
-  for (int s = 1; s <= system.nowned; s++) {
-    const int row = cell->cell_of(unknowns.atom_of(s));
-    if (row < 0) continue;
-    const double weight = table[row].deformable ? 1.0 / std::max(1, table[row].nnodes) : 1.0;
-    for (int k = 0; k < 3; k++)
-      motion[4 * (size_t) row + k] += weight * velocity[STRIDE * (size_t) s + k];
-  }
-  for (int f = 0; f < cell->nowned(); f++) {
-    const auto &face = cell->faces()[f];
-    if (face.cell < 0) continue;
-    const int *const s = &face_slots[3 * (size_t) f], *const v = face.v;
-    const dcm::Vec3 third =
-        dcm::face_area_vector(dcm::vec(x[v[0]]), dcm::vec(x[v[1]]), dcm::vec(x[v[2]])) /
-        (3.0 * table[face.cell].area);
-    for (int k = 0; k < 3; k++)
-      motion[4 * (size_t) face.cell + 3] += third.dot(dcm::vec(&velocity[STRIDE * (size_t) s[k]]));
-  }
-  cell->sum_shared(motion, 4);
-}
-
-/* ----------------------------------------------------------------------
-   largest change of a cell's velocity against that of the last step
-------------------------------------------------------------------------- */
-
-double FixDCMMotion::change_of_velocity()
-{
-  measure_cells(motion);
-  double most = 0.0;
-  for (size_t n = 0; n < motion.size(); n++)
-    most = std::max(most, std::fabs(motion[n] - motion_before[n]));
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  return most;
-}
-
-/* ----------------------------------------------------------------------
    length and velocities of the coming step. It is solved before it is taken: one that is too long
    is solved again with a shorter one
 ------------------------------------------------------------------------- */
@@ -177,8 +129,7 @@ void FixDCMMotion::choose_step(double keep)
     }
   }
 
-  messages.forward(velocity.data());    // those of the last step
-  measure_cells(motion_before);
+  before = velocity;
   double h = wanted > 0.0 ? wanted : control.round_down(update->dt), dt;
   while (true) {
     dt = until_event(h);
@@ -195,9 +146,10 @@ void FixDCMMotion::choose_step(double keep)
     if (!near && h * largest_move > dt * maxmove)
       h = std::max(LEAST * control.least, 0.8 * dt * maxmove / largest_move);
   }
+  if (half.due(dt)) dt = check_half(dt);
   const bool cut = dt < 0.999 * h && error_of_step <= control.allowed(dt);    // by an event
   if (!cut) h = control.next(dt, error_of_step);
-  wanted = h;
+  wanted = std::max(control.least, std::min(h, control.round_down(half.limit)));
   begin_step(dt);
 }
 
@@ -339,6 +291,10 @@ void FixDCMMotion::write_restart(FILE *fp)
   record.put(step);
   record.put(wanted);
   record.put(error_of_step);
+  record.put(radius);
+  record.put(half.limit);
+  record.put(half.checked);
+  record.put(half.since);
   record.write(fp);
 }
 
@@ -350,5 +306,9 @@ void FixDCMMotion::restart(char *buf)
   record.get(step);
   record.get(wanted);
   record.get(error_of_step);
+  record.get(radius);
+  record.get(half.limit);
+  record.get(half.checked);
+  record.get(half.since);
   find_limits();
 }

@@ -51,7 +51,8 @@ def test_large_steps_end_at_the_same_rest(lmp, scenes, dt):
         assert long.thermo[-1][name] == pytest.approx(short.thermo[-1][name], rel=0.01)
 
 
-@pytest.mark.parametrize("options", ["scheme implicit", "scheme implicit dt auto tol 0.02 max 20"])
+@pytest.mark.parametrize("options", ["scheme implicit", "scheme implicit dt auto tol 0.02 max 20",
+                                     "scheme implicit accuracy 0.02 dt auto max 20"])
 @pytest.mark.parametrize("boundary", ["f f f", "p p p"])
 def test_1_2_3_and_4_ranks_agree(lmp, scenes, options, boundary):
     """Cells of both kinds in contact; the same steps are chosen on any number of ranks."""
@@ -71,7 +72,8 @@ def test_1_2_3_and_4_ranks_agree(lmp, scenes, options, boundary):
 
 
 @pytest.mark.parametrize("np_", [1, 2])
-@pytest.mark.parametrize("options", ["scheme implicit", "scheme implicit dt auto tol 0.01 max 20"])
+@pytest.mark.parametrize("options", ["scheme implicit", "scheme implicit dt auto tol 0.01 max 20",
+                                     "scheme implicit accuracy 0.01 dt auto max 20"])
 def test_restart_is_bit_for_bit(lmp, scenes, np_, options):
     scene = scenes.hybrid(level=1, boundary="f f f", box=(27.0, 27.0, 14.0), shift=(3.0, 2.0, 0.5))
     rest = ("fix cell all dcm/cell\n" + scene.volume() + growth(scene, "cycle_time 4e3")

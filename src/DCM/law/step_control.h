@@ -6,9 +6,9 @@
 //
 //   err = (h/2) max |v_new - v_old|                                              (length)
 //
-// is an estimate that costs nothing; v are the velocities of whole cells, since what nodes do
-// within a surface decays fast and leaves no trace. It is known before the step is taken, so that a
-// step that is too long is solved again with a shorter one and nothing has to be undone. err may be
+// is an estimate that costs nothing; |...| is the root mean square over the nodes of a cell. It is
+// known before the step is taken, so that a step that is too long is solved again with a shorter
+// one and nothing has to be undone. err may be
 // tol for a step of the longest length, and grows with the square root of h below it: halfway
 // between an error per step, which lets slow drifts add up, and one per time, which makes short
 // transients costly [ours].
