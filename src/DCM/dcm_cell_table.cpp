@@ -367,6 +367,16 @@ DCMCellTable::Handle DCMCellTable::add(const std::string &asking, const std::str
   return handle;
 }
 
+DCMCellTable::Handle DCMCellTable::share(const std::string &asking, const std::string &name,
+                                         DCMColumn::Heredity heredity, double preset)
+{
+  for (const auto &it : columns) {
+    const auto handle = it.lock();
+    if (handle && handle->name == name) return handle;
+  }
+  return add(asking, name, heredity, preset);
+}
+
 DCMCellTable::Handle DCMCellTable::contribute(const std::string &name)
 {
   for (const auto &it : columns) {

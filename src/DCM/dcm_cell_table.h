@@ -141,6 +141,11 @@ class DCMCellTable : protected Pointers {
   Handle add(const std::string &asking, const std::string &name, DCMColumn::Heredity heredity,
              double preset = 0.0, const std::vector<std::string> &names = {}, Handle mine = {});
 
+  // a column of one number that several fixes of one style have in common
+
+  Handle share(const std::string &asking, const std::string &name, DCMColumn::Heredity heredity,
+               double preset = 0.0);
+
   // the column of a sum to which several styles contribute in each step, such as pressure; call
   // contributed() when it is done for the rows of deformable()
 

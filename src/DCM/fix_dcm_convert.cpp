@@ -14,9 +14,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "dcm_args.h"
-#include "dcm_cell_bins.h"
 #include "dcm_compat.h"
-#include "dcm_cell_variable.h"
 #include "dcm_deck_check.h"
 #include "dcm_record.h"
 #include "law/random.h"
@@ -26,12 +24,10 @@
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "modify.h"
-#include "region.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <cstring>
 
 using namespace LAMMPS_NS;
@@ -41,17 +37,16 @@ using dcm::Vec3;
 static const char STYLE[] = "Fix dcm/convert";
 static constexpr int RECORD = 1;    // version of the restart record
 
-enum { STAY, TO_DEFORMABLE, TO_SPHERE };
-
 /* ----------------------------------------------------------------------
    fix ID group dcm/convert dcm Tcenter Tnode Tface Tbond Tdihedral cbm Tsphere
-       region IN OUT | near GROUP d1 d2 | variable v_name
-       [mesh icosphere level] [rest factor] [every N] [seed S]
+       region IN OUT | near GROUP d1 d2 | variable v_name | lumen FIX d1 d2 |
+       pressure P1 P2 | strain S1 S2
+       [mesh icosphere level] [rest factor] [hold T] [every N] [seed S]
 ------------------------------------------------------------------------- */
 
 FixDCMConvert::FixDCMConvert(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), level(2), rest(1.0), region{nullptr, nullptr},
-    near_bit(0), near{0.0, 0.0}, seed(1), counts{0, 0}
+    Fix(lmp, narg, arg), cell(nullptr), level(2), rest(1.0), hold(0.0), nrules(0),
+    seed(1), counts{0, 0}
 {
   AtomVecDCM::require(lmp, STYLE);
   every = 0;
@@ -61,9 +56,9 @@ FixDCMConvert::FixDCMConvert(LAMMPS *lmp, int narg, char **arg) :
                "{}: give the types of both forms: dcm Tcenter Tnode Tface Tbond Tdihedral "
                "cbm Tsphere",
                STYLE);
-  const int nrules = !region_id[0].empty() + !variable.empty() + !group_id.empty();
   if (nrules != 1)
-    error->all(FLERR, "{}: give one rule, region, near or variable, not {}", STYLE, nrules);
+    error->all(FLERR, "{}: give one rule of {}, not {}", STYLE,
+               utils::join_words(DCMConvertRule::names(), ", "), nrules);
   top = DCMCellBuilder(lmp, STYLE, false).prepare(dcm::icosphere(level), true);
 
   vector_flag = 1;
@@ -79,10 +74,14 @@ FixDCMConvert::FixDCMConvert(LAMMPS *lmp, int narg, char **arg) :
 
 void FixDCMConvert::parse(int narg, char **arg)
 {
-  DCMArgs args(lmp, STYLE, narg, arg,
-               {"dcm", "cbm", "region", "near", "variable", "mesh", "rest", "every", "seed"});
+  DCMArgs args(lmp, STYLE, narg, arg, {"mesh", "rest", "hold", "every", "seed"});
+  args.add_keywords(DCMConvertRule::names());
+  args.add_keywords({"dcm", "cbm"});
   while (args.next()) {
-    if (args.is("dcm")) {
+    if (auto found = DCMConvertRule::read(lmp, args)) {
+      rule = std::move(found);
+      nrules++;
+    } else if (args.is("dcm")) {
       args.need(5);
       deformable.center = args.type(atom->ntypes);
       deformable.node = args.type(atom->ntypes);
@@ -91,23 +90,13 @@ void FixDCMConvert::parse(int narg, char **arg)
       deformable.dihedral = args.type(atom->ndihedraltypes);
     } else if (args.is("cbm")) {
       sphere.center = args.type(atom->ntypes);
-    } else if (args.is("region")) {
-      args.need(2);
-      for (auto &id : region_id) id = args.text();
-    } else if (args.is("near")) {
-      args.need(3);
-      group_id = args.text();
-      for (double &distance : near) distance = args.number(DCMArgs::POSITIVE);
-      if (near[1] < near[0])
-        error->all(FLERR, "{}: near: the second distance, {}, is below the first, {}", STYLE,
-                   near[1], near[0]);
-    } else if (args.is("variable")) {
-      variable = args.variable();
     } else if (args.is("mesh")) {
       args.choose({"icosphere"}, "icosphere LEVEL");
       level = (int) args.whole(1, 5);
     } else if (args.is("rest")) {
       rest = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("hold")) {
+      hold = args.number(DCMArgs::NONNEGATIVE);
     } else if (args.is("every")) {
       every = (int) args.whole();
     } else {
@@ -131,13 +120,11 @@ void FixDCMConvert::init()
   if (!cell->expects_deformable())
     error->all(FLERR, "{} needs a fix dcm/cell; add 'fix cell all dcm/cell' to the deck", STYLE);
   spheres = cell->request_spheres();
-  ratio = cell->change_cells().add(STYLE, "rest_ratio", DCMColumn::INHERIT, 1.0, {}, ratio);
+  ratio = cell->change_cells().share(STYLE, "rest_ratio", DCMColumn::INHERIT, 1.0);
+  if (hold > 0.0) until = cell->change_cells().share(STYLE, "form_until", DCMColumn::RESET);
   cell->refresh();
   cell->cells().require_ids(STYLE);
-  for (int k = 0; k < 2; k++)
-    if (!region_id[k].empty()) region[k] = dcm_find_region(lmp, STYLE, region_id[k]);
-  if (!variable.empty()) dcm_find_variable(lmp, STYLE, variable);
-  if (!group_id.empty()) near_bit = dcm_find_group(lmp, STYLE, group_id);
+  rule->init(this, cell);
   DCMCellSurgery::require_laws(lmp, STYLE);
   DCMCellSurgery::check_order(lmp, this, STYLE);
   DCMCellBuilder(lmp, STYLE, false).reserve_slots(top.slots);
@@ -145,54 +132,12 @@ void FixDCMConvert::init()
 }
 
 /* ----------------------------------------------------------------------
-   what the rule asks of every cell
+   has the cell been converted less than `hold` ago? Times of steps are sums with round-off
 ------------------------------------------------------------------------- */
 
-std::vector<int> FixDCMConvert::wanted(const Cells &cells)
+bool FixDCMConvert::held(int row) const
 {
-  std::vector<int> change(cells.size(), STAY);
-  for (auto *it : region)
-    if (it) it->prematch();
-  std::vector<double> value;
-  if (!variable.empty()) {
-    std::vector<tagint> molecules;
-    for (const auto &it : cells) molecules.push_back(it.molecule);
-    value = dcm_cell_variable(lmp, variable, molecules);
-  }
-  std::vector<double> places;    // of the cells that others are near to
-  std::unique_ptr<DCMCellBins> bins;
-  if (near_bit) {
-    for (const auto &it : cells)
-      if (it.mask & near_bit) places.insert(places.end(), it.x, it.x + 3);
-    bins = std::make_unique<DCMCellBins>(domain, places, near[1]);
-  }
-  for (size_t n = 0; n < cells.size(); n++) {
-    const auto &it = cells[n];
-    if (!(it.mask & groupbit)) continue;
-    if (it.type != (it.deformable ? deformable.center : sphere.center)) continue;
-    bool in = false, out = false;
-    if (region[0]) {
-      in = region[0]->match(it.x[0], it.x[1], it.x[2]);
-      out = !region[1]->match(it.x[0], it.x[1], it.x[2]);
-    } else if (!variable.empty()) {
-      in = value[n] > 0.0;
-      out = value[n] < 0.0;
-    } else {
-      // all centers of the group that may be near enough stand in the bins around the cell
-      out = true;
-      for (const int m : bins->near(it.x)) {
-        double d[3];
-        for (int k = 0; k < 3; k++) d[k] = places[3 * (size_t) m + k] - it.x[k];
-        dcm_minimum_image(domain, d[0], d[1], d[2]);
-        const double distance = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-        in = in || distance < near[0];
-        out = out && distance > near[1];
-      }
-    }
-    if (in && !it.deformable) change[n] = TO_DEFORMABLE;
-    if (out && it.deformable) change[n] = TO_SPHERE;
-  }
-  return change;
+  return hold > 0.0 && (*until)(row) - cell->cells().time() > 1.0e-9 * hold;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -203,14 +148,18 @@ void FixDCMConvert::initial_integrate(int /*vflag*/)
   if (update->ntimestep % nevery) return;
   const auto &table = cell->cells();
   const auto cells = DCMCellTable::gather(lmp, true);
-  const auto change = wanted(cells);
+  rule->look(cells);
   for (size_t n = 0; n < cells.size(); n++) {
-    const int row = table.find(cells[n].molecule);
-    if (change[n] == STAY || row < 0) continue;
+    const auto &it = cells[n];
+    if (!(it.mask & groupbit)) continue;
+    if (it.type != (it.deformable ? deformable.center : sphere.center)) continue;
+    const int row = table.find(it.molecule);
+    if (row < 0 || held(row)) continue;
     // who is about to divide does so as it is; its daughters can change
     const int phase = table[row].phase;
     if (phase == DCMCellTable::ROUNDING || phase == DCMCellTable::READY) continue;
-    changing.push_back({cells[n].molecule, change[n] == TO_DEFORMABLE});
+    const dcm::Form other = it.deformable ? dcm::Form::SPHERE : dcm::Form::DEFORMABLE;
+    if (rule->wants(cells, n) == other) changing.push_back({it.molecule, !it.deformable});
   }
   if (!changing.empty()) next_reneighbor = update->ntimestep;
 }
@@ -258,8 +207,14 @@ void FixDCMConvert::to_sphere(DCMCellSurgery &surgery, const DCMCellSurgery::Cel
   for (int k = 0; k < 3; k++) to.v[k] = from.v[k];
   surgery.insert(sphere, to);
   (*ratio)(cell->cells().find(from.molecule)) = from.volume0 / volume;
-  cell->change_cells().converted(from.molecule, sphere.center, false, volume);
-  counts[1]++;
+  changed(from.molecule, sphere.center, false, volume);
+}
+
+void FixDCMConvert::changed(tagint molecule, int type, bool to_deformable, double volume0)
+{
+  cell->change_cells().converted(molecule, type, to_deformable, volume0);
+  if (hold > 0.0) (*until)(cell->cells().find(molecule)) = cell->cells().time() + hold;
+  counts[to_deformable ? 0 : 1]++;
 }
 
 /* ----------------------------------------------------------------------
@@ -317,8 +272,7 @@ void FixDCMConvert::to_deformable(DCMCellSurgery &surgery, const DCMCellSurgery:
   to.x = dcm::fit_between({from.x, from.radius}, volume, neighbors, round);
   DCMCellBuilder::set_round_rest(top, rest, to);
   surgery.insert(deformable, top, to);
-  cell->change_cells().converted(from.molecule, deformable.center, true, to.volume0);
-  counts[0]++;
+  changed(from.molecule, deformable.center, true, to.volume0);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -19,13 +19,14 @@ FixStyle(dcm/convert,DCMTimedFix<FixDCMConvert>);
 
 #include "law/shape.h"
 #include "dcm_cell_surgery.h"
+#include "dcm_convert_rules.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
 #include "dcm_timed.h"
 #include "fix.h"
 
 #include <cstdint>
-#include <string>
+#include <memory>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -49,7 +50,7 @@ class FixDCMConvert : public Fix, public DCMRole {
   unsigned traits() const override { return MAKES_CELLS | GROWS_SPHERES; }
 
  private:
-  using Cells = std::vector<DCMCellTable::CellAtom>;
+  using Cells = DCMConvertRule::Cells;
 
   int every;    // looks, as given, 0: not
 
@@ -61,20 +62,21 @@ class FixDCMConvert : public Fix, public DCMRole {
   class FixDCMCell *cell;
   DCMRequest<> spheres;
   DCMCellTable::Handle ratio;    // rest volume over volume when a cell was last deformable, else 1
+  DCMCellTable::Handle until;    // time until which a cell keeps its form; with keyword hold
   DCMCellBuilder::Types deformable, sphere;
   int level;
   double rest;    // rest length over edge of the round cell
-  std::string region_id[2], variable, group_id;
-  class Region *region[2];    // cells in the first become deformable, those out of the second not
-  int near_bit;               // cells near a cell of this group become deformable
-  double near[2];             // closer than, farther than
+  double hold;    // shortest time between two conversions of a cell
+  int nrules;
+  std::unique_ptr<DCMConvertRule> rule;
   std::uint64_t seed;
   DCMCellBuilder::Topology top;
   std::vector<Change> changing;
   bigint counts[2];    // to deformable, to center-based
 
   void parse(int, char **);
-  std::vector<int> wanted(const Cells &);
+  bool held(int row) const;
+  void changed(tagint molecule, int type, bool to_deformable, double volume0);
   std::vector<dcm::Ball> neighbors_of(tagint, const dcm::Vec3 &, const Cells &) const;
   bool can_be_shaped(tagint, const Cells &) const;
   void to_sphere(DCMCellSurgery &, const DCMCellSurgery::Cell &);

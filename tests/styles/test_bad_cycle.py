@@ -88,13 +88,27 @@ CASES = {
     "convert type 0": (CONVERT + "dcm 1 2 3 1 1 cbm 0", "Fix dcm/convert: cbm is 0"),
     "convert bond type": (CONVERT + "dcm 1 2 3 2 1 cbm 4", "Fix dcm/convert: dcm is 2.*1 to 1"),
     "convert short": (CONVERT + "dcm 1 2 3", "Fix dcm/convert: keyword dcm needs 5 values"),
-    "convert no rule": (TYPES, "Fix dcm/convert: give one rule, region, near or variable, not 0"),
+    "convert no rule": (TYPES, "Fix dcm/convert: give one rule of region, near, .*strain, not 0"),
     "convert two rules": (REGION + TYPES + "region r r near all 1 2", "give one rule.* not 2"),
     "convert keyword": (TYPES + "x 1", "Fix dcm/convert: unknown keyword x; known"),
     "convert region": (TYPES + "region none none", "Fix dcm/convert: there is no region none"),
     "convert group": (TYPES + "near none 1 2", "Fix dcm/convert: there is no group none"),
     "convert near": (TYPES + "near all 3 2", "near: the second distance, 2, is below the first, 3"),
     "convert variable": (TYPES + "variable v_x", "Fix dcm/convert.*variable.*x"),
+    "convert lumen short": (TYPES + "lumen osm 1", "Fix dcm/convert: keyword lumen needs 3 values"),
+    "convert lumen": (TYPES + "lumen osm 9 8", "lumen: the second distance, 8, is below the f.* 9"),
+    "convert lumen fix": (TYPES + "lumen osm 8 9", "lumen: there is no fix osm; name the fix dcm"),
+    "convert lumen volume": (TYPES + "lumen volume 8 9",
+                             "lumen: fix volume .dcm/volume. marks no faces.*dcm/osmosis"),
+    "convert lumen zero": (TYPES + "lumen osm 0 9", "Fix dcm/convert: lumen is 0.*positive"),
+    "convert pressure": (TYPES + "pressure 0.1 0.2",
+                         "pressure: the second number, 0.2, .* is above the first, 0.1"),
+    "convert pressure zero": (TYPES + "pressure 0 -1", "Fix dcm/convert: pressure is 0.*positive"),
+    "convert pressure nan": (TYPES + "pressure 0.1 nan", "Fix dcm/convert: pressure is 'nan'"),
+    "convert strain": (TYPES + "strain 0.1 0.2", "strain: the second number, 0.2, .*first, 0.1"),
+    "convert strain short": (TYPES + "strain 0.1", "Fix dcm/convert: keyword strain needs 2 val"),
+    "convert measure and place": (TYPES + "strain 0.1 0 near all 1 2", "give one rule.*not 2"),
+    "convert hold": (TYPES + "near all 1 2 hold -1", "Fix dcm/convert: hold is -1"),
     "convert mesh": (TYPES + "near all 1 2 mesh file 2", "mesh must be icosphere LEVEL, not file"),
     "convert level": (TYPES + "near all 1 2 mesh icosphere 9", "mesh is 9.*1 to 5"),
     "convert rest": (TYPES + "near all 1 2 rest 0", "Fix dcm/convert: rest is 0.*positive"),
@@ -148,6 +162,22 @@ def test_slots_after_read_data(lmp, scenes):
         + "fix convert all dcm/convert dcm 1 2 3 1 1 cbm 4 near all 1 2\n"
     )
     fails(lmp, deck, "Fix dcm/convert: a node needs", files={"x.data": data})
+
+
+@pytest.mark.parametrize("rule", ["strain 0.1 0.05", "pressure 0.1 0.05"])
+def test_convert_after_motion(lmp, scenes, rule):
+    """What cells are measured by has to be that of the last forces."""
+    scene = scenes.hybrid()
+    late = f"fix late all dcm/convert dcm 1 2 3 1 1 cbm 4 {rule}\n"
+    deck = whole(scene, motion=scene.motion() + late)
+    fails(lmp, deck, f"Fix dcm/convert: {rule.split()[0]}: fix late stands after fix motion")
+
+
+def test_convert_by_forces_without_contact(lmp, scenes):
+    scene = scenes.hybrid()
+    rule = "fix convert all dcm/convert dcm 1 2 3 1 1 cbm 4 pressure 0.1 0.05\n"
+    deck = whole(scene, contact="comm_modify cutoff 14\n", extra=rule)
+    fails(lmp, deck, "Fix dcm/convert: pressure needs pair_style dcm/contact, which knows the for")
 
 
 def test_convert_without_fix_cell(lmp, scenes):

@@ -39,6 +39,7 @@ SHORT = {
     "migration": {"duration": 150, "persistence": 40, "image": "no"},
     "monolayer": {"hours": 0.05, "cycle": 700, "movie": "no"},
     "plates": {"level": 2, "steps": 2, "settle": 40},
+    "resolution": {"border": 0, "hours": 0.01},
     "single": {"hold": 10, "image": "no"},
     "spheroid": {"level": 1, "hours": 0.15, "cycle": 180, "movie": "no"},
     "tension": {"level": 1, "settle": 100},
