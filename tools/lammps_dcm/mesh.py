@@ -71,3 +71,24 @@ class Mesh:
         d = xyz[self.vertices] - self.origin[self.cell][:, None, :]
         self.corners = minimum_image(d.reshape(-1, 3), data["box"], data["tilt"],
                                      data["periodic"]).reshape(-1, 3, 3)
+
+    def surface(self):
+        """The surfaces as points and triangles: nodes (p,) slots of the nodes that faces name;
+        points (p, 3), um, whole cells across periodic borders; triangles (m, 3) rows of points, in
+        the order of `faces`."""
+        nodes, at, triangles = np.unique(self.vertices, return_index=True, return_inverse=True)
+        points = self.origin[self.cell[at // 3]] + self.corners.reshape(-1, 3)[at]
+        return nodes, points, triangles.reshape(-1, 3)
+
+    def face_column(self, name):
+        """Values (m,) of a dump column on the faces; where faces have nothing, those of the
+        centers of their cells (compute dcm/cell)."""
+        values = self.atoms.data[name]
+        faces = values[self.faces]
+        if not np.nan_to_num(faces.astype(float)).any():
+            faces = self.center_column(name)[self.cell]
+        return faces
+
+    def center_column(self, name):
+        """Values (c,) of a dump column on the centers, NaN where the dump leaves the center out."""
+        return np.where(self.centers >= 0, self.atoms.data[name][self.centers], np.nan)
