@@ -11,8 +11,9 @@ from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.lib.distances import capped_distance, self_capped_distance
 
 from .frame_atoms import AtomBook
-from .mesh import Mesh, tetrahedron_volumes, triangle_quality, triangle_vectors
+from .mesh import Mesh
 from .topology import CENTER, FACE
+from .triangles import tetrahedron_volumes, triangle_quality, triangle_vectors
 
 
 class MeshAnalysis(AnalysisBase):

@@ -3,10 +3,10 @@
 trame-vtk has the viewer, vtk.js in one file, and what writes a VTK scene in the viewer's form; the
 title and the legend are HTML above it. Nothing is drawn here, so that no OpenGL is needed.
 """
-import base64
 import html
 import io
 import json
+import re
 import zipfile
 
 import numpy as np
@@ -77,5 +77,5 @@ def write_html(picture, path, cmap="viridis", **options):
     embed(scene_archive(plotter), page)
     plotter.close()
     head, body, rest = page.getvalue().partition("<body>")
-    head = head.replace("OfflineLocalView</title>", f"{html.escape(picture.title)}</title>", 1)
+    head = re.sub("<title>.*?</title>", f"<title>{html.escape(picture.title)}</title>", head)
     write_text(path, head + body + CONTENT + legend_html(picture, cmap) + rest)

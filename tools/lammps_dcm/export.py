@@ -18,8 +18,8 @@ def write_series(path, times, files):
     """Write a .pvd file: ParaView's list of files and their times, s."""
     rows = [f'    <DataSet timestep="{time:.17g}" file={quoteattr(name)}/>'
             for time, name in zip(times, files)]
-    write_text(path, "\n".join(['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">',
-                                "  <Collection>", *rows, "  </Collection>", "</VTKFile>", ""]))
+    head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
+    write_text(path, "\n".join([*head, *rows, "  </Collection>", "</VTKFile>", ""]))
 
 
 def shared_homes(universe, frames, book):
@@ -75,16 +75,15 @@ def export_frames(universe, folder, frames, bulk_modulus=None, glyphs=False, boo
 
 
 def save(block, path):
-    """Write PolyData as an uncompressed .vtp file, which every program reads; an old file stays as
-    it is if this fails."""
+    """Write PolyData as a .vtp file, uncompressed and with its arrays in place, since OVITO reads
+    no other; an old file stays as it is if this fails."""
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
     part = path.with_name(path.name + ".part")
     writer = vtkXMLPolyDataWriter()
     writer.SetFileName(str(part))
     writer.SetInputData(block)
-    writer.SetDataModeToAppended()
-    writer.EncodeAppendedDataOff()
+    writer.SetDataModeToBinary()
     writer.SetCompressorTypeToNone()
     if not writer.Write():
         part.unlink(missing_ok=True)
@@ -136,6 +135,9 @@ def run(args, words):
         return
     written = export_frames(universe, args.output, frames, bulk_modulus_of(args.bulk_modulus),
                             args.spheres == "glyphs", book)
+    if not written:
+        raise ValueError("nothing to export: no faces, spheres or tracers are known; give --data "
+                         "FILE, or dump kind, v1 v2 v3 and radius (compute property/atom)")
     for part, count in written.items():
         print(f"wrote {args.output}/{part}.pvd: {count} frame{'s' if count > 1 else ''}")
     if args.dump and args.dt is None and not has_times(universe):

@@ -7,10 +7,11 @@ import numpy as np
 
 from .analysis import CellContacts, CellPressure, measure_cells
 from .frame_atoms import AtomBook
-from .mesh import Mesh, triangle_vectors
+from .mesh import Mesh
 from .reader import COORDINATES
 from .shape import CellShape
 from .topology import CENTER, FACE, NODE, SPHERE
+from .triangles import triangle_vectors
 
 # columns that say what an atom is or where: they have a name of their own in what is made here
 KNOWN = {"id", "mol", "type", "kind", "v1", "v2", "v3", "region", "ix", "iy", "iz", "dt",
@@ -139,12 +140,9 @@ def _surface(pyvista, mesh, bulk_modulus, homes):
     pressure = cell_pressures(mesh, bulk_modulus, volume)
     if pressure is not None:
         values["cell_pressure"] = pressure[mesh.cell]
-    for name, column in values.items():
-        made.cell_data[name] = column
-    made.point_data["node"] = book.ids[nodes]
-    for name, column in with_vectors({name: atoms.data[name][nodes] for name, home in here.items()
-                                      if "node" in home}).items():
-        made.point_data[name] = column
+    _put(made.cell_data, values)
+    _put(made.point_data, {"node": book.ids[nodes]} | with_vectors(
+        {name: atoms.data[name][nodes] for name, home in here.items() if "node" in home}))
     return made
 
 
@@ -154,9 +152,22 @@ def _points(pyvista, atoms, slots, homes, **values):
     columns = with_vectors({name: atoms.data[name][slots] for name in homes if name in atoms.data})
     values = columns | values | {"atom": atoms.book.ids[slots],
                                  "type": type_numbers(atoms.book, atoms.type[slots])}
-    for name, column in values.items():
-        made.point_data[name] = column
+    _put(made.point_data, values)
     return made
+
+
+def _put(attributes, columns):
+    """Add columns to the cell_data or point_data of a PolyData, which may be empty."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    for name, column in columns.items():
+        if len(column):
+            attributes[name] = column
+            continue
+        empty = numpy_to_vtk(np.zeros(column.shape[1:], dtype=column.dtype)[None, ...])
+        empty.SetNumberOfTuples(0)    # pyvista refuses arrays without values
+        empty.SetName(name)
+        attributes.VTKObject.AddArray(empty)
 
 
 def cell_pressures(mesh, bulk_modulus, volume):

@@ -14,9 +14,10 @@ from .analysis import CellPressure
 from .frame_atoms import AtomBook
 from .inputs import add_input, bulk_modulus_of, chosen_frames, load_run, pairs
 from .lumen import lumen_faces, marked_rows
-from .mesh import Mesh, triangle_vectors
+from .mesh import Mesh
 from .section import REGION_COLORS, WALL
 from .topology import CENTER, FACE, NODE, REGION_NAMES, SPHERE
+from .triangles import triangle_vectors
 
 VIEWS = {"xy": (0, 0, 1), "xz": (0, -1, 0), "yz": (1, 0, 0), "iso": (1, -1, 0.8)}
 UP = {"xy": (0, 1, 0), "xz": (0, 0, 1), "yz": (0, 0, 1), "iso": (0, 0, 1)}

@@ -5,7 +5,7 @@ The moments are those of the enclosed volume, so that they do not depend on how 
 import numpy as np
 
 from .analysis import CellVolume
-from .mesh import tetrahedron_volumes
+from .triangles import tetrahedron_volumes
 
 
 def volume_moments(corners, cell, n):
