@@ -4,6 +4,7 @@
 A surface is (nodes (n, 3), float; faces (m, 3), rows of nodes). No doubled node is merged and no
 face turned here: that is mesh_convert.py's.
 """
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +57,9 @@ def _by_trimesh(path):
 def _by_pyvista(path):
     import pyvista
 
-    found = pyvista.read(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")    # VTK goes on with what it could read
+        found = pyvista.read(path)
     if isinstance(found, pyvista.MultiBlock):
         raise MeshFileError(f"{path}: has several blocks: save one of them as a .vtp file")
     if not isinstance(found, pyvista.PolyData):
