@@ -79,9 +79,9 @@ def test_volumes_are_those_of_the_run(run, tmp_path):
 
 
 def test_contact_areas_of_pairs_add_up(run):
-    """The first cell touches the second and the sphere, the third nobody: what the graph says of them is what
-    compute dcm/cell says of each. A contact counts with the same area on both faces, and here no
-    face is in contact with two cells."""
+    """The first cell touches the second and the sphere, the third nobody. The areas of a cell's
+    contacts in the graph add up to what compute dcm/cell says: a contact counts with the same area
+    on both faces, and here no face is in contact with two cells."""
     import lammps_dcm
 
     u = lammps_dcm.load(dump=run / "all.dump")

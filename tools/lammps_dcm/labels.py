@@ -196,8 +196,32 @@ def write_cells(cells, folder, command="", type="hepatoblast", atom_types="1 2 3
     return lines
 
 
+# ---------------------------------------------------------------------- command line
+
+def add_arguments(parser):
+    """Options of `scene labels`."""
+    parser.description = ("Write a mesh for each label of a segmented image, an array (z, y, x) "
+                          "with 0 outside, and the lines of a deck that create the cells at their "
+                          "own place and size.")
+    parser.add_argument("image", metavar="IMAGE", help=".tif, .tiff or .npy")
+    parser.add_argument("-o", "--output", default="cells", metavar="FOLDER",
+                        help="for meshes and deck")
+    parser.add_argument("--voxel", type=float, nargs="+", required=True, metavar="UM",
+                        help="size of a voxel: one length, or those along x, y and z")
+    parser.add_argument("--nodes", type=int, default=642, help="of each cell, about")
+    parser.add_argument("--smooth", type=int, default=50, metavar="N",
+                        help="rounds of Taubin's filter")
+    parser.add_argument("--smallest", type=int, default=100, metavar="VOXELS",
+                        help="labels of fewer voxels are left out")
+    parser.add_argument("--without", default="", metavar="LABEL,...", help="labels to leave out")
+    parser.add_argument("--type", default="hepatoblast", help="cell type name")
+    parser.add_argument("--atom-types", default="1 2 3 1 1",
+                        help="of center, nodes, faces; bond and dihedral type")
+    parser.add_argument("--options", default="rest 0.95", help="further keywords of create_cells")
+
+
 def run(args, command):
-    """`scene labels`: what the command line asks for; args: see scene.add_arguments."""
+    """Write what the command line asks for; command: the line itself."""
     voxel = np.array(args.voxel * 3 if len(args.voxel) == 1 else args.voxel)
     if len(voxel) != 3 or not (np.isfinite(voxel) & (voxel > 0.0)).all():
         raise LabelError(f"--voxel {words(*args.voxel)}: give one length, or those along x, y and "

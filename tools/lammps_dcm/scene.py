@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from tqdm import tqdm
 
+from . import labels
 from .text import read_text, write_text
 
 KINDS = ("dcm", "cbm")
@@ -477,31 +478,15 @@ def add_arguments(parser):
     p.add_argument("--distance", type=float, help="of the centres, um; None: 2 radius (1 + gap)")
     one_type(p)
     p = sub.add_parser("labels", help="cells of a labelled image, each with a mesh of its own",
-                       formatter_class=helpers, description="Write a mesh for each label of a "
-                       "segmented image, an array (z, y, x) with 0 outside, and the lines of a "
-                       "deck that create the cells at their own place and size.")
-    p.add_argument("image", metavar="IMAGE", help=".tif, .tiff or .npy")
-    p.add_argument("-o", "--output", default="cells", metavar="FOLDER", help="for meshes and deck")
-    p.add_argument("--voxel", type=float, nargs="+", required=True, metavar="UM", help="size of a "
-                   "voxel: one length, or those along x, y and z")
-    p.add_argument("--nodes", type=int, default=642, help="of each cell, about")
-    p.add_argument("--smooth", type=int, default=50, metavar="N", help="rounds of Taubin's filter")
-    p.add_argument("--smallest", type=int, default=100, metavar="VOXELS", help="labels of fewer "
-                   "voxels are left out")
-    p.add_argument("--without", default="", metavar="LABEL,...", help="labels to leave out")
-    p.add_argument("--type", default="hepatoblast", help="cell type name")
-    p.add_argument("--atom-types", default="1 2 3 1 1", help="of center, nodes, faces; bond and "
-                   "dihedral type")
-    p.add_argument("--options", default="rest 0.95", help="further keywords of create_cells")
+                       formatter_class=helpers)
+    labels.add_arguments(p)
 
 
 def run(args, words):
     """Build the scene chosen on the command line (`words`: its arguments) and write its table."""
     command = "python -m lammps_dcm " + shlex.join(words)
     if args.scene == "labels":    # the only one that takes more than a table
-        from .labels import run as run_labels
-
-        run_labels(args, command)
+        labels.run(args, command)
         return
     skip = {"command", "scene", "build", "output", "run"}
     cells = args.build(**{k: v for k, v in vars(args).items() if k not in skip})
