@@ -7,10 +7,11 @@
 __version__ = "0.1.0"
 
 _HOME = {"CellVolume": "analysis", "CellPressure": "analysis", "FaceArea": "analysis",
-         "CellContacts": "analysis", "CellQuality": "analysis", "AtomBook": "frame_atoms",
-         "Lumens": "lumen", "CellPolarity": "polarity", "read_data": "topology",
-         "DumpFile": "reader", "Lineage": "lineage", "read_divisions": "lineage",
-         "read_deaths": "lineage"}
+         "CellContacts": "analysis", "CellQuality": "analysis", "CellShape": "shape",
+         "to_pyvista": "interop", "to_trimesh": "interop", "neighbor_graph": "interop",
+         "cells_frame": "interop", "AtomBook": "frame_atoms", "Lumens": "lumen",
+         "CellPolarity": "polarity", "read_data": "topology", "DumpFile": "reader",
+         "Lineage": "lineage", "read_divisions": "lineage", "read_deaths": "lineage"}
 
 
 def load(data=None, dump=None, dt=1.0, scan="auto", rename=None):

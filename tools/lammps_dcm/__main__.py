@@ -7,6 +7,8 @@ import sys
 COMMANDS = {
     "scene": ("scene", "write a cells table for `create_cells table FILE`"),
     "render": ("render", "draw a frame of a dump or a data file into a PNG"),
+    "export": ("export", "cells as VTK files for ParaView and OVITO, or as an HTML page"),
+    "mesh": ("mesh_convert", "convert meshes for `create_cells ... mesh file`, or check them"),
     "cells": ("table", "volume, area and pressure of every cell and frame as CSV"),
     "quality": ("quality", "quality of the triangles of every cell as CSV"),
     "lumen": ("lumen", "volume, section and closure of lumens over time as CSV, and a plot"),

@@ -11,8 +11,9 @@ from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.lib.distances import capped_distance, self_capped_distance
 
 from .frame_atoms import AtomBook
-from .mesh import Mesh, tetrahedron_volumes, triangle_quality, triangle_vectors
+from .mesh import Mesh
 from .topology import CENTER, FACE
+from .triangles import tetrahedron_volumes, triangle_quality, triangle_vectors
 
 
 class MeshAnalysis(AnalysisBase):
@@ -73,7 +74,7 @@ class MeshAnalysis(AnalysisBase):
         """Warn once per text about the cells in the bool array `which`."""
         if which.any():
             names = ", ".join(map(str, mesh.ids[which][:5]))
-            self.book.warn(text, f"frame {self._ts.frame}: cell {names}"
+            self.book.warn(text, f"{mesh.atoms.where}: cell {names}"
                            f"{' ...' if which.sum() > 5 else ''}")
 
     def warn_missing(self, mesh):
@@ -92,6 +93,20 @@ def mean_of_nodes(mesh):
     return np.stack([np.bincount(cell, c, minlength=n) / count for c in corner.T], axis=1)
 
 
+def measure_cells(mesh):
+    """Volume (c,), um^3, area (c,), um^2, and mean of the nodes (c, 3), um, of the cells of a Mesh,
+    NaN where nodes are missing or the surface is open; leaky: (c,) bool, the latter."""
+    n = len(mesh.ids)
+    vectors = triangle_vectors(mesh.corners)
+    area = np.bincount(mesh.cell, np.linalg.norm(vectors, axis=1), minlength=n)
+    volume = np.bincount(mesh.cell, tetrahedron_volumes(mesh.corners), minlength=n)
+    open_ = np.linalg.norm([np.bincount(mesh.cell, v, minlength=n) for v in vectors.T], axis=0)
+    leaky = mesh.complete & (open_ > 1e-9 * area)
+    good = mesh.complete & ~leaky
+    center = np.where(good[:, None], mesh.origin + mean_of_nodes(mesh), np.nan)
+    return np.where(good, volume, np.nan), np.where(good, area, np.nan), center, leaky
+
+
 class CellVolume(MeshAnalysis):
     """Volume and surface of every deformable cell.
 
@@ -104,19 +119,11 @@ class CellVolume(MeshAnalysis):
         self._measure(self.mesh())
 
     def _measure(self, mesh):
-        n = len(mesh.ids)
-        vectors = triangle_vectors(mesh.corners)
-        area = np.bincount(mesh.cell, np.linalg.norm(vectors, axis=1), minlength=n)
-        volume = np.bincount(mesh.cell, tetrahedron_volumes(mesh.corners), minlength=n)
-        open_ = np.linalg.norm([np.bincount(mesh.cell, v, minlength=n) for v in vectors.T], axis=0)
+        volume, area, center, leaky = measure_cells(mesh)
         self.warn_missing(mesh)
-        leaky = mesh.complete & (open_ > 1e-9 * area)
         self.warn_cells(mesh, leaky, "the surface is not closed: faces are missing in the dump or "
                         "data file: dump all atoms")
-        good = mesh.complete & ~leaky
-        volume = np.where(good, volume, np.nan)
-        center = np.where(good[:, None], mesh.origin + mean_of_nodes(mesh), np.nan)
-        self._put(volume=volume, area=np.where(good, area, np.nan), center=center)
+        self._put(volume=volume, area=area, center=center)
         return volume
 
 
@@ -151,21 +158,27 @@ class CellPressure(CellVolume):
                              f"has {', '.join(self.modulus_of_type)}")
         return np.array([self.modulus_of_type[t] for t in types])
 
-    def _single_frame(self):
-        mesh = self.mesh()
-        volume = self._measure(mesh)
+    def _measure(self, mesh):
+        volume = super()._measure(mesh)
+        pressure, volume0 = self.pressures(mesh, volume)
+        self._put(pressure=pressure, volume0=volume0)
+        return volume
+
+    def pressures(self, mesh, volume):
+        """Pressures, kPa, and rest volumes, um^3, (c,) each, of the cells of a Mesh with volumes
+        (c,), um^3."""
         volume0 = np.where(mesh.centers >= 0, mesh.atoms.volume0[mesh.centers], np.nan)
         volume0 = np.where(volume0 > 0.0, volume0, np.nan)
         self.warn_cells(mesh, np.isnan(volume0) & ~np.isnan(volume), "no rest volume: load the "
                         "data file too, or dump the column volume0")
-        if "volume0" not in self._ts.data:
+        if "volume0" not in mesh.atoms.data:
             self.warn_cells(mesh, ~np.isin(mesh.ids, self.book.mol), "born after the data file was "
                             "written, so cells grow, and its rest volumes hold for its own moment "
                             "only: dump the column volume0 (compute property/atom)")
         self.warn_cells(mesh, volume <= 0.0, "the volume is not positive: the cell is inside out")
         with np.errstate(divide="ignore", invalid="ignore"):
             pressure = -self._moduli(mesh.types) * np.log(volume / volume0)
-        self._put(pressure=np.where(volume > 0.0, pressure, np.nan), volume0=volume0)
+        return np.where(volume > 0.0, pressure, np.nan), volume0
 
 
 class FaceArea(MeshAnalysis):
@@ -228,6 +241,11 @@ class CellContacts(MeshAnalysis):
     results.neighbors: per frame an array (pairs, 2) of molecule IDs, CBM cells included, smaller
     first, whose surfaces come within `cutoff` (um; by default the mean edge length), a face
     counting as its centroid: a geometric criterion, not a force.
+    results.shared: per frame an array (pairs, 2) of molecule IDs that share contact area, and
+    results.shared_area: per frame (pairs,), um^2. The dump does not tell the partner of a face: all
+    its contact area counts for the nearest surface of another cell, within two mean edges, and that
+    of two cells is the mean of both sides, of a cell and a sphere that of the faces. Empty without
+    the column.
     """
 
     def __init__(self, universe, column="contact_area", cutoff=None, **kwargs):
@@ -236,7 +254,7 @@ class CellContacts(MeshAnalysis):
 
     def _prepare(self):
         super()._prepare()
-        self.results.neighbors = []
+        self.results.neighbors, self.results.shared, self.results.shared_area = [], [], []
 
     def _single_frame(self):
         mesh = self.mesh()
@@ -248,34 +266,81 @@ class CellContacts(MeshAnalysis):
             contact = np.where(mesh.complete, np.bincount(mesh.cell, share, minlength=n), np.nan)
             total = np.where(mesh.complete, np.bincount(mesh.cell, area, minlength=n), np.nan)
         self._put(contact_area=contact, fraction=contact / total)
-        self.results.neighbors.append(self._near(mesh, data))
+        surfaces = _Surfaces(mesh, self._ts.dimensions)
+        self.results.neighbors.append(surfaces.near(self.cutoff))
+        if self.column in data:
+            pairs, area = surfaces.shared(share)
+            lost = share.sum() - area.sum()
+            if lost > 0.01 * share.sum():
+                self.book.warn(f"{lost:.3g} of {share.sum():.3g} um^2 of contact area are farther "
+                               "than two mean edges from any other cell: are all cells in the "
+                               "dump?", mesh.atoms.where)
+        else:
+            pairs, area = np.zeros((0, 3), dtype=int), np.zeros(0)
+        cells, at = np.unique(np.sort(pairs[:, :2], axis=1), axis=0, return_inverse=True)
+        sides = np.bincount(at, np.where(pairs[:, 2] > 0, 1.0, 0.5) * area, minlength=len(cells))
+        self.results.shared.append(cells)
+        self.results.shared_area.append(sides)
 
-    def _near(self, mesh, data):
-        """Pairs (m, 2) of molecule IDs within the cutoff."""
+
+class _Surfaces:
+    """Faces, as their centroids, and spheres of one frame, to find what is near."""
+
+    def __init__(self, mesh, dimensions):
+        self.dimensions, data = dimensions, mesh.atoms.data
+        self.periodic = data["periodic"]
         spheres = mesh.atoms.spheres()
         radius = np.nan_to_num(mesh.atoms.sphere_radii(spheres))
-        cutoff = self.cutoff
-        if cutoff is None:
-            edges = mesh.corners - np.roll(mesh.corners, 1, axis=1)
-            spheres_only = 0.05 * radius.max(initial=0.0)
-            cutoff = np.linalg.norm(edges, axis=2).mean() if len(edges) else spheres_only
-        faces = (mesh.origin[mesh.cell] + mesh.corners.mean(axis=1)).astype(np.float32)
-        middles = data["xyz"][spheres].astype(np.float32)
-        everything = np.vstack([faces, middles])
-        if not len(everything) or not cutoff + radius.max(initial=0.0) > 0.0:
+        edges = mesh.corners - np.roll(mesh.corners, 1, axis=1)
+        self.largest = radius.max(initial=0.0)
+        self.edge = np.linalg.norm(edges, axis=2).mean() if len(edges) else 0.05 * self.largest
+        faces = mesh.origin[mesh.cell] + mesh.corners.mean(axis=1)
+        self.faces, self.spheres = len(faces), len(spheres)
+        self.points = np.vstack([faces, data["xyz"][spheres]]).astype(np.float32)
+        self.reach = np.append(np.zeros(len(faces)), radius)
+        self.owner = np.append(mesh.ids[mesh.cell], mesh.atoms.mol[spheres])
+
+    def box(self, farthest):
+        """Box for searches up to `farthest`, um, None if nothing is periodic."""
+        if not self.periodic.any():
+            return None
+        box = self.dimensions.copy()
+        # room on open axes, so that no image is in reach there
+        extent = np.ptp(self.points, axis=0)
+        box[:3] = np.where(self.periodic, box[:3], extent + 2.0 * farthest)
+        return box
+
+    def near(self, cutoff=None):
+        """Pairs (m, 2) of molecule IDs whose surfaces come within `cutoff`, um."""
+        cutoff = self.edge if cutoff is None else cutoff
+        farthest = cutoff + 2.0 * self.largest
+        if not len(self.points) or not cutoff + self.largest > 0.0:
             return np.zeros((0, 2), dtype=int)
-        reach = np.append(np.zeros(len(faces)), radius)
-        owner = np.append(mesh.ids[mesh.cell], mesh.atoms.mol[spheres])
-        farthest = cutoff + 2.0 * radius.max(initial=0.0)
-        box = self._ts.dimensions.copy() if data["periodic"].any() else None
-        if box is not None:    # room on open axes, so that no image is in reach there
-            extent = np.ptp(everything, axis=0)
-            box[:3] = np.where(data["periodic"], box[:3], extent + 2.0 * farthest)
+        faces, middles, box = self.points[:self.faces], self.points[self.faces:], self.box(farthest)
         pairs, _ = self_capped_distance(faces, cutoff, box=box)
         found = [pairs]
-        if len(spheres):    # apart from the faces: spheres reach farther, but are few
-            pairs, distance = capped_distance(middles, everything, farthest, box=box)
-            pairs[:, 0] += len(faces)
-            found.append(pairs[distance <= reach[pairs].sum(axis=1) + cutoff])
-        cells = owner[np.concatenate(found)]
+        if self.spheres:    # apart from the faces: spheres reach farther, but are few
+            pairs, distance = capped_distance(middles, self.points, farthest, box=box)
+            pairs[:, 0] += self.faces
+            found.append(pairs[distance <= self.reach[pairs].sum(axis=1) + cutoff])
+        cells = self.owner[np.concatenate(found)]
         return np.unique(np.sort(cells[cells[:, 0] != cells[:, 1]], axis=1), axis=0)
+
+    def shared(self, area):
+        """Contact areas (m,), um^2, of faces, each with (cell, cell of the nearest other surface,
+        1 if that is a sphere), (m, 3); area: (faces,), um^2."""
+        rows = np.flatnonzero(area > 0.0)
+        farthest = 2.0 * self.edge + self.largest
+        if not len(rows):
+            return np.zeros((0, 3), dtype=int), np.zeros(0)
+        pairs, distance = capped_distance(self.points[rows], self.points, farthest,
+                                          box=self.box(farthest))
+        pairs[:, 0] = rows[pairs[:, 0]]
+        gap = distance - self.reach[pairs[:, 1]]
+        other = (self.owner[pairs[:, 0]] != self.owner[pairs[:, 1]]) & (gap <= 2.0 * self.edge)
+        pairs, gap = pairs[other], gap[other]
+        order = np.lexsort((gap, pairs[:, 0]))
+        face, first = np.unique(pairs[order, 0], return_index=True)
+        partner = pairs[order[first], 1]
+        return np.column_stack([self.owner[face], self.owner[partner], partner >= self.faces]), \
+            area[face]

@@ -10,7 +10,10 @@ def load_run(args, frames):
         scan = [int(frames)]
     except ValueError:
         scan = "all"
-    return load(args.data, args.dump, scan=scan, rename=pairs(args.rename, "--rename"))
+    if args.dump is None and args.data is None:
+        raise ValueError("give a dump, --data FILE, or both")
+    return load(args.data, args.dump, dt=getattr(args, "dt", None) or 1.0, scan=scan,
+                rename=pairs(args.rename, "--rename"))
 
 
 def pairs(text, option, value=str):

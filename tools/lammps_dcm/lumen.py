@@ -10,8 +10,9 @@ import numpy as np
 
 from .analysis import MeshAnalysis
 from .inputs import add_input, load_run
-from .mesh import minimum_image, triangle_vectors
+from .mesh import minimum_image
 from .table import write_columns
+from .triangles import triangle_vectors
 
 AXES = "xyz"
 COLUMNS = ("volume", "wall", "section", "closure", "cells", "circularity", "x", "y", "z",

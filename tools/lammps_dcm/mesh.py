@@ -1,4 +1,4 @@
-"""Surfaces of the deformable cells in one frame, and the geometry of triangles."""
+"""Surfaces of the deformable cells in one frame."""
 import numpy as np
 
 from .topology import slot_lookup
@@ -15,25 +15,6 @@ def minimum_image(d, box, tilt, periodic):
         if periodic[axis]:
             d = d - np.round(d[:, axis] / cell[axis, axis])[:, None] * cell[axis]
     return d
-
-
-def triangle_vectors(corners):
-    """Vector areas (outward, length = area), shape (n, 3), of triangles (n, 3 corners, 3)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    return 0.5 * np.cross(b - a, c - a)
-
-
-def tetrahedron_volumes(corners):
-    """Signed volumes (n,) of tetrahedra from the origin to triangles (n, 3 corners, 3)."""
-    return np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
-
-
-def triangle_quality(corners):
-    """4 sqrt(3) A / (sum of squared edges), (n,), of triangles (n, 3 corners, 3): 1 equilateral, 0
-    without area."""
-    area = np.linalg.norm(triangle_vectors(corners), axis=1)
-    squares = ((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=(1, 2))
-    return 4.0 * 3.0**0.5 * area / np.where(squares > 0.0, squares, 1.0)
 
 
 class Mesh:
@@ -71,3 +52,24 @@ class Mesh:
         d = xyz[self.vertices] - self.origin[self.cell][:, None, :]
         self.corners = minimum_image(d.reshape(-1, 3), data["box"], data["tilt"],
                                      data["periodic"]).reshape(-1, 3, 3)
+
+    def surface(self):
+        """The surfaces as points and triangles: nodes (p,) slots of the nodes that faces name;
+        points (p, 3), um, whole cells across periodic borders; triangles (m, 3) rows of points, in
+        the order of `faces`."""
+        nodes, at, triangles = np.unique(self.vertices, return_index=True, return_inverse=True)
+        points = self.origin[self.cell[at // 3]] + self.corners.reshape(-1, 3)[at]
+        return nodes, points, triangles.reshape(-1, 3)
+
+    def face_column(self, name):
+        """Values (m,) of a dump column on the faces; where faces have nothing, those of the
+        centers of their cells (compute dcm/cell)."""
+        values = self.atoms.data[name]
+        faces = values[self.faces]
+        if not np.nan_to_num(faces.astype(float)).any():
+            faces = self.center_column(name)[self.cell]
+        return faces
+
+    def center_column(self, name):
+        """Values (c,) of a dump column on the centers, NaN where the dump leaves the center out."""
+        return np.where(self.centers >= 0, self.atoms.data[name][self.centers], np.nan)

@@ -14,9 +14,10 @@ from .analysis import CellPressure
 from .frame_atoms import AtomBook
 from .inputs import add_input, bulk_modulus_of, chosen_frames, load_run, pairs
 from .lumen import lumen_faces, marked_rows
-from .mesh import Mesh, triangle_vectors
+from .mesh import Mesh
 from .section import REGION_COLORS, WALL
 from .topology import CENTER, FACE, NODE, REGION_NAMES, SPHERE
+from .triangles import triangle_vectors
 
 VIEWS = {"xy": (0, 0, 1), "xz": (0, -1, 0), "yz": (1, 0, 0), "iso": (1, -1, 0.8)}
 UP = {"xy": (0, 1, 0), "xz": (0, 0, 1), "yz": (0, 0, 1), "iso": (0, 0, 1)}
@@ -104,12 +105,7 @@ def column_values(universe, mesh, spheres, name):
         columns = [c for c, v in data.items() if np.ndim(v) == 1 and len(v) == len(universe.atoms)]
         raise ValueError(f"--color {name}: neither cell, type, region, mark, pressure, contact nor "
                          f"a column of the dump, which has {' '.join(columns)}")
-    values = data[name]
-    faces = values[mesh.faces]
-    if not np.nan_to_num(faces.astype(float)).any():
-        center = mesh.centers[mesh.cell]
-        faces = np.where(center >= 0, values[center], np.nan)
-    return faces, values[spheres]
+    return mesh.face_column(name), data[name][spheres]
 
 
 def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modulus=None,
@@ -134,9 +130,7 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
             book.warn(f"cell {mesh.ids[~mesh.known][0]}: the vertices of its faces are not known, "
                       "so it is not drawn: dump the columns v1 v2 v3 (compute property/atom)",
                       atoms.where)
-        nodes, at, triangles = np.unique(mesh.vertices, return_index=True, return_inverse=True)
-        points = mesh.origin[mesh.cell[at // 3]] + mesh.corners.reshape(-1, 3)[at]
-        triangles = triangles.reshape(-1, 3)
+        _, points, triangles = mesh.surface()
         molecule, types = mesh.ids[mesh.cell], mesh.types[mesh.cell]
 
     bar, legend, nothing = None, {}, np.full(len(spheres), np.nan)
@@ -189,11 +183,9 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
                    face_rgb, sphere_rgb, bar, legend, f"step {ts.data.get('step', 0)}", solid)
 
 
-def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cmap="viridis"):
-    """Draw with VTK, off screen, into a PNG file."""
-    from vtkmodules.vtkCommonCore import vtkLogger
-
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)    # it complains of a missing display
+def build_plotter(picture, view="xy", size=1200, edges=False, opacity=1.0, round_=40):
+    """Off-screen pyvista.Plotter with the surfaces, spheres and tracers of a Picture, without text;
+    round_: sides of a sphere."""
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=(size, size))
@@ -212,24 +204,35 @@ def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cm
         cloud = pyvista.PolyData(picture.centers)
         cloud["radius"] = picture.radii
         cloud["rgb"] = (255 * picture.sphere_rgb).astype(np.uint8)
-        ball = pyvista.Sphere(radius=1.0, theta_resolution=40, phi_resolution=40)
+        ball = pyvista.Sphere(radius=1.0, theta_resolution=round_, phi_resolution=round_)
         plotter.add_mesh(cloud.glyph(geom=ball, scale="radius", orient=False, factor=1.0),
                          scalars="rgb", rgb=True, opacity=opacity if picture.solid.any() else 1.0,
                          **light)
     if len(picture.dots):
         plotter.add_points(picture.dots, color="crimson", point_size=4)
+    plotter.enable_parallel_projection()
+    plotter.view_vector(VIEWS[view], UP[view])
+    plotter.camera.zoom(1.2 if view != "iso" else 1.1)
+    return plotter
+
+
+def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cmap="viridis"):
+    """Draw with VTK, off screen, into a PNG file."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)    # it complains of a missing display
+    import pyvista
+
+    plotter = build_plotter(picture, view, size, edges, opacity)
     if picture.bar:
         title, low, high = picture.bar
         plotter.add_mesh(pyvista.PolyData(np.zeros((1, 3))), scalars=[low], clim=(low, high),
-                         cmap=cmap, opacity=0.0, show_scalar_bar=True,
+                         cmap=cmap, opacity=0.0, show_scalar_bar=True, reset_camera=False,
                          scalar_bar_args=dict(title=title, color="black", n_labels=5))
     font = max(6, size // 110)
     for n, (label, rgb) in enumerate([(picture.title, "black"), *picture.legend.items()]):
         plotter.add_text(label, position=(font, size - (n + 1) * 2.4 * font), color=rgb,
                          font_size=font)
-    plotter.enable_parallel_projection()
-    plotter.view_vector(VIEWS[view], UP[view])
-    plotter.camera.zoom(1.2 if view != "iso" else 1.1)
     plotter.screenshot(str(output))
     plotter.close()
 
@@ -321,12 +324,8 @@ def _child(picture, output, options):
 
 # ---------------------------------------------------------------------- command line
 
-def add_arguments(parser):
-    """Options of `render`."""
-    add_input(parser)
-    parser.add_argument("--frame", default="-1", help="number from 0, from the end if negative, "
-                        "or all: one numbered picture each (default: %(default)s)")
-    parser.add_argument("-o", "--output", default="frame.png", help="default: %(default)s")
+def add_coloring(parser):
+    """The options that say how cells look, shared with `export --html`."""
     parser.add_argument("--color", default="type", help="type, cell, region, mark, pressure, "
                         "contact, or any column of the dump (default: %(default)s)")
     parser.add_argument("--names", metavar="TYPE=NAME,...", help="names of atom types (of "
@@ -335,24 +334,43 @@ def add_arguments(parser):
                         help="ends of the color scale; by default those of the values")
     parser.add_argument("--cmap", default="viridis", help="matplotlib color map")
     parser.add_argument("--view", choices=list(VIEWS), default="xy", help="plane that is seen")
+    parser.add_argument("--edges", action="store_true", help="draw the mesh")
+    parser.add_argument("--lumen", action="store_true", help="the marked walls of lumens (dump "
+                        "column mark) in a color of their own, cells translucent")
+    parser.add_argument("--opacity", type=float, help="of the deformable cells; default 1, with "
+                        f"--lumen {FAINT:g}, and then of spheres too")
+
+
+def chosen_picture(args, universe, book):
+    """Picture of the current frame as add_coloring's options ask for it."""
+    return make_picture(universe, args.color, args.limits, args.cmap,
+                        bulk_modulus_of(args.bulk_modulus), pairs(args.names, "--names"), book,
+                        args.lumen)
+
+
+def chosen_opacity(args):
+    """Opacity of deformable cells that add_coloring's options ask for."""
+    return args.opacity if args.opacity is not None else FAINT if args.lumen else 1.0
+
+
+def add_arguments(parser):
+    """Options of `render`."""
+    add_input(parser)
+    parser.add_argument("--frame", default="-1", help="number from 0, from the end if negative, "
+                        "or all: one numbered picture each (default: %(default)s)")
+    parser.add_argument("-o", "--output", default="frame.png", help="default: %(default)s")
+    add_coloring(parser)
     parser.add_argument("--section", metavar="AXIS[=AT]", help="cut by the plane across this axis, "
                         "drawn flat: regions of the surface, lumens (dump column mark), apical "
                         "vectors (ax ay az), tracers")
     parser.add_argument("--window", nargs=4, type=float, metavar=("X0", "X1", "Y0", "Y1"),
                         help="what a section shows, um; by default all deformable cells")
     parser.add_argument("--size", type=int, default=1200, help="width and height, pixel")
-    parser.add_argument("--edges", action="store_true", help="draw the mesh")
-    parser.add_argument("--lumen", action="store_true", help="the marked walls of lumens (dump "
-                        "column mark) in a color of their own, cells translucent")
-    parser.add_argument("--opacity", type=float, help="of the deformable cells; default 1, with "
-                        f"--lumen {FAINT:g}, and then of spheres too")
     parser.add_argument("--engine", choices=["auto", "vtk", "matplotlib"], default="auto")
 
 
 def run(args, words):
     """Render what the command line asks for."""
-    if args.dump is None and args.data is None:
-        raise ValueError("give a dump, --data FILE, or both")
     universe = load_run(args, args.frame)
     book = AtomBook(universe)
     count = len(universe.trajectory)
@@ -361,12 +379,10 @@ def run(args, words):
     if args.section:
         run_sections(args, universe, book, frames, output)
         return
-    opacity = args.opacity if args.opacity is not None else FAINT if args.lumen else 1.0
+    opacity = chosen_opacity(args)
     for frame in tqdm(frames, desc="rendering", disable=None if len(frames) > 1 else True):
         universe.trajectory[frame]
-        picture = make_picture(universe, args.color, args.limits, args.cmap,
-                               bulk_modulus_of(args.bulk_modulus),
-                               pairs(args.names, "--names"), book, args.lumen)
+        picture = chosen_picture(args, universe, book)
         name = numbered(output, args.frame, frame)
         engine = draw(picture, name, args.engine, view=args.view, size=args.size,
                       edges=args.edges, opacity=opacity, cmap=args.cmap)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from tqdm import tqdm
 
+from . import labels
 from .text import read_text, write_text
 
 KINDS = ("dcm", "cbm")
@@ -409,7 +410,7 @@ def read_table(path):
 def add_arguments(parser):
     """Add `scene` sub-commands and their options to an argparse parser."""
     sub = parser.add_subparsers(dest="scene", required=True, metavar="duct|ring|spheroid|"
-                                "ball|sheet|crowd|doublet")
+                                "ball|sheet|crowd|doublet|labels")
     helpers = argparse.ArgumentDefaultsHelpFormatter
 
     def scene_parser(name, build, text):
@@ -476,16 +477,23 @@ def add_arguments(parser):
     p = scene_parser("doublet", doublet, "two cells side by side")
     p.add_argument("--distance", type=float, help="of the centres, um; None: 2 radius (1 + gap)")
     one_type(p)
+    p = sub.add_parser("labels", help="cells of a labelled image, each with a mesh of its own",
+                       formatter_class=helpers)
+    labels.add_arguments(p)
 
 
 def run(args, words):
     """Build the scene chosen on the command line (`words`: its arguments) and write its table."""
+    command = "python -m lammps_dcm " + shlex.join(words)
+    if args.scene == "labels":    # the only one that takes more than a table
+        labels.run(args, command)
+        return
     skip = {"command", "scene", "build", "output", "run"}
     cells = args.build(**{k: v for k, v in vars(args).items() if k not in skip})
     overlap = worst_overlap(cells)
     if overlap > 0.25:
         raise SceneError(f"two cells overlap by {overlap:.2f} of their summed radii, LAMMPS "
                          "refuses more than 0.25: reduce --jitter or raise --gap")
-    write_table(cells, args.output, "python -m lammps_dcm " + shlex.join(words))
+    write_table(cells, args.output, command)
     print("\n".join(summary(cells)))
     print(f"wrote {args.output}")
