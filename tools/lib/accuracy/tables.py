@@ -1,0 +1,209 @@
+"""What the runs come to, as text and as the CSV files of doc/accuracy."""
+import csv
+import math
+from dataclasses import astuple, fields
+
+import numpy as np
+
+from .errors import Row, beaten, cheapest, front, heads, measure, orders
+from .knobs import knobs_of
+from .scenes import SCENES
+
+TARGETS = (0.05, 0.01)
+TIME = ("time", "solver")     # kinds of knobs of the motion: compared with one reference
+
+
+def percent(value, digits=2):
+    """Text of a relative number, in percent."""
+    return "-" if value != value else f"{100.0 * value:.{digits}g}"
+
+
+def number(value):
+    return "-" if value is None or value != value else f"{value:.3g}"
+
+
+class Map:
+    """Everything measured of a scene. knobs; rows: of each knob, by name; motion: heads of all
+    knobs of the motion against the time reference (front, defaults)."""
+
+    def __init__(self, scene, look, full=False):
+        self.scene, self.look = scene, look
+        self.knobs = knobs_of(scene, full)
+        self.rows = {k.name: measure(k, look) for k in self.knobs}
+        self.heads = {name: heads(rows) for name, rows in self.rows.items()}
+        self.motion = self.against_time()
+
+    def against_time(self):
+        """Heads of every value of the motion's knobs, all against the finest explicit steps."""
+        fine = next((k for k in self.knobs if k.kind == "time" and k.reference), None)
+        found = {}
+        for knob in self.knobs:
+            if fine is None or knob.kind not in TIME or knob.name.endswith("law dmt"):
+                continue
+            same = type(knob)(knob.name, knob.scene, knob.kind, knob.values, fine.reference,
+                              fine.check, fine.ratio, knob.order)
+            for head in heads(measure(same, self.look)):
+                found.setdefault(head.row.label, head)
+        return [h for h in found.values() if h.row.relative == h.row.relative]
+
+    def front(self):
+        """Heads of the motion on the front, cheap to dear."""
+        points = [(h.row.relative, h.row.cost) for h in self.motion]
+        return [self.motion[k] for k in front(points)]
+
+    def default(self):
+        """Head of the default among the motion's, None if it was not run."""
+        return next((h for h in self.motion if h.row.default), None)
+
+    def better_than_default(self):
+        """Heads of the motion that are clearly better than the default in both."""
+        default = self.default()
+        if default is None:
+            return []
+        points = [(h.row.relative, h.row.cost) for h in self.motion]
+        return [self.motion[k] for k in beaten((default.row.relative, default.row.cost), points)]
+
+    def budget(self):
+        """Heads at the default, one per knob that has an error there: step once, then others."""
+        found, kinds = [], set()
+        for knob in self.knobs:
+            if knob.kind in ("model", "cost") or "law" in knob.name:
+                continue
+            for head in self.heads[knob.name]:
+                if head.row.default and head.row.relative == head.row.relative:
+                    if knob.kind == "time" and "time" in kinds:
+                        continue
+                    kinds.add(knob.kind)
+                    found.append(head)
+        return found
+
+    def summary(self):
+        """Row of the summary table: dict of texts."""
+        scene, default = SCENES[self.scene], self.default()
+        unit = "s/h" if scene.hours else "s"
+        meshes = self.heads.get("mesh", [])
+        mesh = next((h for h in meshes if h.row.default), None)
+        found = {"scene": self.scene,
+                 "default": "-" if default is None else f"{number(default.row.cost)} {unit}",
+                 "steps": percent(default.row.relative) if default else "-",
+                 "mesh (mean)": percent(mesh.row.relative) if mesh else "-",
+                 "mesh (one orientation)":
+                     f"{percent(mesh.row.low)} to {percent(mesh.row.high)}" if mesh else "-"}
+        for name, heads_ in (("steps", self.motion), ("mesh", meshes)):
+            for target in TARGETS:
+                best = cheapest([h.row for h in heads_], target)
+                known = [h.row for h in heads_ if h.row.relative == h.row.relative]
+                least = min(known, key=lambda r: r.relative, default=None)
+                found[f"{100 * target:g} %, {name}"] = (
+                    f"{number(best.cost)} {unit}: {best.label}" if best else
+                    f"not reached: {percent(least.relative)} % at {number(least.cost)} {unit}"
+                    if least else "-")
+        found["half the error"] = self.half()
+        return found
+
+    def half(self):
+        """What half of the largest error at the default would cost, as a factor."""
+        budget = self.budget()
+        if not budget:
+            return "-"
+        worst = max(budget, key=lambda h: h.row.relative)
+        rows = [h.row for h in self.heads[worst.row.knob]]
+        if worst.row.kind in TIME:
+            rows = [h.row for h in self.motion]
+        best = cheapest(rows, 0.5 * worst.row.relative)
+        if best is None:
+            return f"{worst.row.knob}: finer than what was run"
+        return f"{number(best.cost / worst.row.cost)} x: {best.label}"
+
+
+def order_rows(map_):
+    """Rows (scene, knob, expected, quantity, orders from coarse to fine) of what has an order."""
+    found = []
+    for knob in map_.knobs:
+        if knob.order is None:
+            continue
+        finest = 0.0
+        if knob.kind == "space":
+            finest = 0.5 * min(v.x for v in knob.values)
+        for q in SCENES[map_.scene].quantities:
+            mine = [r for r in map_.rows[knob.name] if r.quantity == q.name]
+            steps = orders(mine, finest)
+            if steps:
+                found.append((map_.scene, knob.name, f"{knob.order:.2g}", q.name,
+                              "; ".join("-" if math.isnan(p) else f"{p:.2f}" for _, _, p in steps),
+                              f"{steps[0][0]} to {steps[-1][1]}"))
+    return found
+
+
+def write(path, names, rows):
+    """A CSV file."""
+    with open(path, "w", encoding="ascii", newline="") as handle:
+        writer = csv.writer(handle, lineterminator="\n")
+        writer.writerow(names)
+        writer.writerows(rows)
+
+
+def plain(value):
+    """Numbers of three digits, so that files do not change in the last ones."""
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.4g}"
+    return value
+
+
+def write_all(maps, folder):
+    """points.csv, summary.csv, orders.csv, front.csv, failed.csv."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = [row for m in maps for part in m.rows.values() for row in part]
+    write(folder / "points.csv", [f.name for f in fields(Row)],
+          [[plain(v) for v in astuple(row)] for row in rows])
+    table = [m.summary() for m in maps]
+    if table:
+        write(folder / "summary.csv", list(table[0]), [list(t.values()) for t in table])
+    write(folder / "orders.csv", ["scene", "setting", "expected", "quantity", "found", "between"],
+          [r for m in maps for r in order_rows(m)])
+    off = []
+    for m in maps:
+        default = m.default()
+        for h in m.better_than_default():
+            off.append([m.scene, default.row.label, percent(default.row.relative),
+                        number(default.row.cost), h.row.label, percent(h.row.relative),
+                        number(h.row.cost)])
+    write(folder / "off_front.csv", ["scene", "default", "error (%)", "cost (s/h)", "better",
+                                     "its error (%)", "its cost (s/h)"], off)
+    failed = sorted({(r.scene, r.knob, r.label, r.note) for r in rows if r.note})
+    write(folder / "failed.csv", ["scene", "setting", "value", "why"], failed)
+
+
+def text(map_):
+    """All of a scene as a plain table: relative errors in percent."""
+    scene = SCENES[map_.scene]
+    lines = [f"=== {map_.scene}: {scene.about}; radius {scene.cells:g} um; times in s of CPU "
+             + ("per hour of biology" if scene.hours else "per run"),
+             "defaults: " + " ".join(f"{k}={v}" for k, v in scene.settings({}).items() if v),
+             "errors in percent; (low-high): of single orientations; ref: uncertainty of the "
+             "reference"]
+    for knob in map_.knobs:
+        lines.append(f"--- {knob.name}")
+        for head in map_.heads[knob.name]:
+            row = head.row
+            mark = "*" if row.default else " "
+            if row.note:
+                lines.append(f" {mark}{row.label:28s} FAILED: {row.note[:100]}")
+                continue
+            parts = []
+            for r in head.rows:
+                band = f" ({percent(r.low)}-{percent(r.high)})" if r.runs > 1 else ""
+                parts.append(f"{r.quantity} {percent(r.relative)}{band}")
+            lines.append(f" {mark}{row.label:28s} {number(row.cost):>8s} s {row.steps:8.0f} steps: "
+                         + "; ".join(parts))
+        known = {r.quantity: r.uncertain for r in map_.rows[knob.name] if np.isfinite(r.uncertain)}
+        if known:
+            lines.append("  ref: " + "; ".join(f"{q} {percent(u)}" for q, u in known.items()))
+    lines.append("orders (expected: found, coarse to fine):")
+    lines += [f"  {r[1]:20s} {r[3]:34s} {r[2]:>5s}: {r[4]}" for r in order_rows(map_)]
+    lines.append("front of steps: " + "; ".join(
+        f"{h.row.label} {percent(h.row.relative)} % {number(h.row.cost)} s" for h in map_.front()))
+    lines += [f"default beaten by {h.row.label}: {percent(h.row.relative)} % {number(h.row.cost)} s"
+              for h in map_.better_than_default()]
+    lines += [f"{k}: {v}" for k, v in map_.summary().items()]
+    return "\n".join(lines) + "\n"
