@@ -72,11 +72,13 @@ def pair(settings):
 
 
 def frames(path):
-    """Frames of a dump with `time yes`: list of (time, name of column -> array)."""
+    """Frames of a dump: list of (time, name of column -> array); without `time yes` the time is
+    that of the step."""
     found, lines = [], Path(path).read_text(encoding="ascii").splitlines()
     at = [k for k, line in enumerate(lines) if line.startswith("ITEM: ATOMS")]
-    times = [float(lines[k + 1]) for k, line in enumerate(lines) if line.startswith("ITEM: TIME")
-             and "STEP" not in line]
+    timed = any(line == "ITEM: TIME" for line in lines)
+    times = [float(lines[k + 1]) for k, line in enumerate(lines)
+             if line == ("ITEM: TIME" if timed else "ITEM: TIMESTEP")]
     for time, k in zip(times, at, strict=True):
         rest = (j for j in range(k + 1, len(lines)) if lines[j].startswith("ITEM:"))
         end = next(rest, len(lines))

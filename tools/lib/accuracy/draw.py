@@ -5,7 +5,8 @@ import math
 from .scenes import SCENES
 from .tables import percent
 
-MARKS = {"time": "o", "solver": "v", "space": "s", "division": "D", "look": "P", "marks": "X"}
+MARKS = {"time": "o", "solver": "v", "space": "s", "division": "D", "look": "P", "marks": "X",
+         "border": "p"}
 FLOOR = 1e-6     # relative; smaller errors are drawn there
 
 

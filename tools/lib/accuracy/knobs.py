@@ -102,6 +102,14 @@ def doublet(full):
     knobs = [k if k.name != "dt auto tol" else Knob(
         k.name, k.scene, k.kind, tuple(Value(v.label, v.x, v.changes | rest) for v in k.values),
         k.reference, k.check, k.ratio, k.order) for k in knobs]
+    # a contact that grows: its rim moves face by face, which mean velocities of cells do not tell
+    for name, more in (("dt auto max", {}), ("dt auto max, friction 50", dict(friction="50"))):
+        fine = more | dict(tolerance=TIGHT) | rest
+        knobs.append(Knob(name, "doublet", "time", tuple(
+            Value(f"max {m} s", float(m), more | dict(step="auto 0.02", longest=str(m)) | rest)
+            for m in (60, 30, 20, 10, 5, 2)), fine | dict(step="explicit 0.0625" if not more else
+                                                          "explicit 0.25"),
+            fine | dict(step="explicit 0.125" if not more else "explicit 0.5"), order=1.0))
     top = 4 if full else 3
     knobs.append(mesh("doublet", top, PAIRS if not full else PAIRS[:3]))
     knobs.append(mesh("doublet", top, PAIRS if not full else PAIRS[:3], "mesh at h0 0.8", h0="0.8"))
@@ -126,7 +134,8 @@ def doublet(full):
 
 
 def compress(full):
-    knobs = motion_knobs("compress", (0.5, 0.25, 0.125), (20, 10, 8, 4, 2, 1, 0.5), 0.03125, ())
+    knobs = motion_knobs("compress", (0.5, 0.25, 0.125), (20, 10, 8, 4, 2, 1, 0.5), 0.03125,
+                         ("60", "30", "20", "10", "5", "2"))
     top = 5 if full else 4
     knobs.append(mesh("compress", top, turned(3, 5, 7, 11)))
     knobs.append(Knob("layer", "compress", "model", tuple(
@@ -142,9 +151,9 @@ def spheroid(full):
                          ("120", "60", "30", "20", "10"))
     knobs.append(mesh("spheroid", 4 if full else 3, turned(1, 2, 3, 4)))
     knobs.append(Knob("tolerance of division", "spheroid", "division", tuple(
-        Value(f"tolerance {t}", float(t), dict(division=t))
-        for t in ("0.1", "0.01", "0.003", "0.001", "0.0003")), dict(division="1e-5"),
-        dict(division="1e-4"), ratio=10.0, order=1.0))
+        Value(f"tolerance {t}", float(t) if float(t) > 1e-4 else None, dict(division=t))
+        for t in ("0.1", "0.01", "0.003", "0.001", "0.0003", "1e-5")), dict(division="1e-4"),
+        dict(division="0.0003"), ratio=3.0, order=1.0))
     return knobs
 
 
@@ -195,8 +204,14 @@ def migration(full):
     return knobs
 
 
+def border(full):
+    values = tuple(Value(f"border {b}", None, dict(border=b)) for b in ("none", "0", "1", "2", "3"))
+    return [Knob("border", "border", "border", values, dict(border="all"),
+                 seeds=turned(1, 2, 3) if full else turned(1, 2))]
+
+
 SETS = dict(doublet=doublet, compress=compress, spheroid=spheroid, bile_duct=bile_duct, lumen=lumen,
-            migration=migration)
+            migration=migration, border=border)
 
 
 def knobs_of(scene, full=False):

@@ -1,8 +1,11 @@
 """Runs: one per scene and settings, each in a folder of its own, and what came of it in
-`result.json` beside it. What has a result is not run again."""
+`result.json` beside it. What has a result is not run again, unless its deck has changed."""
+import functools
+import hashlib
 import json
 import os
 import subprocess
+import tempfile
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -36,14 +39,28 @@ class Point:
         return text.replace(" ", "_").replace("/", "_")
 
 
+@functools.cache
+def digest(point):
+    """Of all that is run for a point, but not of the program: text."""
+    scene = SCENES[point.scene]
+    with tempfile.TemporaryDirectory() as place:
+        words = scene.write(Path(place), scene.settings(dict(point.changes)))
+        sums = hashlib.sha256("\0".join(words).encode())
+        for file in sorted(Path(place).iterdir()):
+            sums.update(file.read_bytes())
+    return sums.hexdigest()[:16]
+
+
 @dataclass
 class Result:
-    """values: see scenes; seconds: user CPU time of the run; steps; note: why it failed."""
+    """values: see scenes; seconds: user CPU time of the run; steps; note: why it failed; deck:
+    digest of what was run."""
 
     values: dict = field(default_factory=dict)
     seconds: float = float("nan")
     steps: int = 0
     note: str = ""
+    deck: str = ""
 
 
 class Runner:
@@ -60,9 +77,10 @@ class Runner:
         return self.folder / "points" / point.scene / point.name
 
     def result(self, point):
-        """Result of a point, None if it has not been run."""
+        """Result of a point, None if it has not been run, or with another deck."""
         path = self.place(point) / "result.json"
-        return Result(**json.loads(path.read_text())) if path.exists() else None
+        found = Result(**json.loads(path.read_text())) if path.exists() else None
+        return found if found and found.deck == digest(point) else None
 
     def run(self, point):
         """Run one point and keep its result."""
@@ -78,7 +96,7 @@ class Runner:
         self.children.discard(child)
         if self.stopping:
             return
-        result = Result(seconds=usage.ru_utime)
+        result = Result(seconds=usage.ru_utime, deck=digest(point))
         log = folder / "log.lammps"
         if log.exists():
             loops = [line.split() for line in log.read_text(errors="replace").splitlines()

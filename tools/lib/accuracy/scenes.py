@@ -13,7 +13,7 @@ import numpy as np
 from . import decks
 from .decks import EXAMPLES, MANY, put, swap, until
 
-FAILED = re.compile(r"ERROR.*?: (.*)")
+FAILED = re.compile(r"^ERROR.*?: (.*)", re.M)
 
 
 @dataclass(frozen=True)
@@ -148,14 +148,15 @@ class Spheroid(Scene):
     about = "one cell becomes four in 2.4 h (cycle of 1 h)"
     hours, cells = 2.4, 4.76
     defaults = dict(division="1e-3")
-    quantities = (
-        Quantity("times of divisions / cycle", "division", "s", "cycle"),
-        Quantity("pressure at the end", "pressure", "kPa"),
-        Quantity("volume at the end", "volume", "um^3"),
-        Quantity("contact area at the end", "area", "um^2"),
-        Quantity("center / diameter", "place", "um", "diameter"),
-        Quantity("center / distance from the middle", "place", "um", "", False),
-    )
+    times = (6480.0, 8640.0)    # two cells, 47 min after the division; four, some minutes after
+    quantities = (Quantity("times of divisions / cycle", "division", "s", "cycle"), *(
+        q for t in ("1.8 h", "2.4 h") for q in (
+            Quantity(f"pressure, {t}", f"pressure {t}", "kPa"),
+            Quantity(f"volume, {t}", f"volume {t}", "um^3"),
+            Quantity(f"contact area, {t}", f"area {t}", "um^2"),
+            Quantity(f"center / diameter, {t}", f"place {t}", "um", "diameter"),
+            Quantity(f"center / distance from the middle, {t}", f"place {t}", "um", "", False),
+        )))
 
     def write(self, folder, settings):
         s = settings
@@ -169,7 +170,7 @@ class Spheroid(Scene):
         text = swap(text, "fix division", "fix division all dcm/division seed ${seed} "
                     f"tolerance {s['division']} log division.log")
         text = re.sub(r"^fix\s+history.*$", "", text, flags=re.M)
-        text = swap(text, "run", CELL_DUMP.format(many=MANY, every=int(3600 * self.hours))
+        text = swap(text, "run", CELL_DUMP.format(many=MANY, every=2160)
                     + f"run {MANY}")
         (folder / "in.run").write_text(text)
         return ["-var", "level", s["level"], "-var", "motion", self.move(s), "-var", "movie", "no",
@@ -184,14 +185,17 @@ class Spheroid(Scene):
             mother, one, two = map(int, words[2:5])
             names[one], names[two] = names[mother] + "a", names[mother] + "b"
             times[names[mother]] = [float(words[1])]
-        rows = decks.frames(folder / "cells.dump")[-1][1]
-        keys = [names[int(m)] for m in rows["mol"]]
-        where = np.array([rows[c] for c in "xyz"]).T
-        found = cell_values(rows, keys, dict.fromkeys(keys, where.mean(axis=0)))
-        found["place"] = found.pop("way")
-        found["volume"] = {k: [float(v)] for k, v in zip(keys, rows["volume"])}
-        return found | {"division": times, "cycle": {"": [3600.0]},
-                        "diameter": diameter(rows["volume"])}
+        found = {"division": times, "cycle": {"": [3600.0]}}
+        for time, rows in decks.frames(folder / "cells.dump"):
+            for t in (t for t in self.times if 0.0 <= time - t < 1e-6):
+                keys = [names[int(m)] for m in rows["mol"]]
+                middle = np.mean([rows[c] for c in "xyz"], axis=1)
+                values = cell_values(rows, keys, dict.fromkeys(keys, middle))
+                values["place"] = values.pop("way")
+                values["volume"] = {k: [float(v)] for k, v in zip(keys, rows["volume"])}
+                found |= {f"{name} {t / 3600.0:g} h": v for name, v in values.items()}
+                found["diameter"] = diameter(rows["volume"])
+        return found
 
 
 class Compress(Scene):
@@ -243,7 +247,8 @@ jump            SELF again
 class Doublet(Scene):
     name = "doublet"
     about = "two cells adhere for 2000 s and are pulled apart"
-    defaults = dict(step="implicit 1", skin="0.3", seed="3", other="11", press="0.0", pull="yes")
+    defaults = dict(step="implicit 1", skin="0.3", seed="3", other="11", press="0.0", pull="yes",
+                    friction="5")
     quantities = (
         Quantity("contact radius, 200 s", "radius soon", "um"),
         Quantity("contact radius at rest", "radius", "um"),
@@ -278,7 +283,8 @@ fix_modify move stop 1e9
         step = s["step"].split()
         dt = [] if step[0] == "auto" else ["-var", "dt", step[1]]
         return ["-var", "level", s["level"], "-var", "seed", s["seed"], "-var", "other", s["other"],
-                "-var", "press", s["press"], "-var", "image", "no", *dt]
+                "-var", "press", s["press"], "-var", "friction", s["friction"],
+                "-var", "image", "no", *dt]
 
     def read(self, folder):
         text = (folder / "log.lammps").read_text()
@@ -382,8 +388,40 @@ class Migration(Scene):
                               for k, (_, rows) in enumerate(frames) if k and k % 5 == 0})
 
 
+class Border(Scene):
+    name = "border"
+    about = "a cell grows in a layer of spheres, rings of deformable cells around it, 45 min"
+    hours = 0.75
+    defaults = dict(border="1")
+    quantities = (
+        Quantity("pressure of the middle and its neighbors", "pressure", "kPa"),
+        Quantity("their contact area", "area", "um^2"),
+        Quantity("center / diameter", "place", "um", "diameter"),
+    )
+
+    def write(self, folder, settings):
+        s = settings
+        text = until(decks.example("resolution/in.resolution"), "write_data")
+        text = swap(text, "timestep", decks.timestep(s["step"]))
+        (folder / "in.run").write_text(text)
+        shutil.copy(EXAMPLES / "resolution/cells.txt", folder)
+        return ["-var", "border", s["border"], "-var", "level", s["level"], "-var", "seed",
+                s["seed"], "-var", "motion", self.move(s)]
+
+    def read(self, folder):
+        _, rows = decks.frames(folder / "resolution.table")[-1]
+        near = rows["cell"] <= 7
+        rows = {name: column[near] for name, column in rows.items()}
+        rows["area"] = rows["contact_area"]
+        keys = [f"{c:.0f}" for c in rows["cell"]]
+        found = cell_values(rows, keys, dict.fromkeys(keys, np.zeros(3)))
+        found["place"] = found.pop("way")
+        return found | {"diameter": diameter(rows["volume"])}
+
+
 SCENES = {scene.name: scene for scene in
-          (Doublet(), Compress(), Spheroid(), BileDuct(), Lumen(), Migration())}
+          (Doublet(), Compress(), Spheroid(), BileDuct(), Lumen(), Migration(), Border())
+          if scene.name != "border" or (EXAMPLES / "resolution").exists()}
 
 
 def failure(folder):

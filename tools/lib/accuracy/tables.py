@@ -192,6 +192,8 @@ def text(map_):
                 continue
             parts = []
             for r in head.rows:
+                if r.relative != r.relative:
+                    continue
                 band = f" ({percent(r.low)}-{percent(r.high)})" if r.runs > 1 else ""
                 parts.append(f"{r.quantity} {percent(r.relative)}{band}")
             lines.append(f" {mark}{row.label:28s} {number(row.cost):>8s} s {row.steps:8.0f} steps: "
