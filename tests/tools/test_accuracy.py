@@ -163,6 +163,17 @@ def test_means_over_orientations_and_their_band():
     assert all(map(math.isnan, errors.error(q, {}, mean)))
 
 
+def test_pairs_of_one_orientation_leave_the_scatter_of_orientations_out():
+    def result(height):
+        return Result(values=dict(height={"": [height]}))
+    found = [result(11.0), result(20.0), result(33.0)]
+    reference = [result(10.0), result(20.0), result(30.0)]
+    q = Quantity("height", "height", "um")
+    own, relative = errors.root_mean_square(errors.pairs(q, found, reference))
+    assert own == pytest.approx(math.sqrt((1.0 + 0.0 + 9.0) / 3))
+    assert relative == pytest.approx(math.sqrt((0.01 + 0.0 + 0.01) / 3))
+
+
 def test_every_setting_of_every_scene_is_known_and_writes_a_deck(tmp_path):
     for scene in (s for s in scenes.SCENES if s != "made"):
         for full in (False, True):

@@ -74,13 +74,25 @@ def good(results):
     return results if results and all(r is not None and not r.note for r in results) else None
 
 
+def pairs(q, results, reference):
+    """Errors of runs, each against the reference of the same orientation: (runs, 2), in the
+    quantity's unit and relative."""
+    return np.array([error(q, r.values, right.values) for r, right in zip(results, reference)])
+
+
+def root_mean_square(values):
+    return np.sqrt(np.mean(np.square(values), axis=0))
+
+
 def uncertainty(q, knob, right, reference, check):
     """Of the mean `right` of the reference's runs, relative: what the next coarser runs say, and
     the standard error of a mean over orientations; NaN if nothing tells it."""
     found = math.nan
+    if check and knob.paired:
+        return root_mean_square(pairs(q, check, reference))[1] / (knob.ratio - 1.0)
     if check:
         found = error(q, mean_of(check), right)[1] / (knob.ratio - 1.0)
-    if len(reference) > 1:
+    if len(reference) > 1 and not knob.paired:
         each = [error(q, r.values, right)[1] for r in reference]
         scatter = math.sqrt(np.mean(np.square(each)) / (len(each) - 1))
         found = scatter if math.isnan(found) else math.hypot(found, scatter)
@@ -118,6 +130,10 @@ def measure(knob, look):
             right = mean_of(reference)
             row.own, row.relative = error(q, mean_of(found), right)
             single = [error(q, r.values, right)[1] for r in found]
+            if knob.paired:
+                both = pairs(q, found, reference)
+                row.own, row.relative = map(float, root_mean_square(both))
+                single = list(map(float, both[:, 1]))
             row.low, row.high = min(single), max(single)
             row.uncertain = uncertainty(q, knob, right, reference, check)
     return rows

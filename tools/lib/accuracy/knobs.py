@@ -17,13 +17,20 @@ class Value:
 
 @dataclass(frozen=True)
 class Knob:
-    """values: coarse to fine; reference: changes of the runs that all values are compared with, or
-    None where each has its own; check: changes of the second finest ones, for the uncertainty of
-    the reference, and by how much smaller the reference's error is than the check's (`ratio`);
-    order: expected of the error in x; seeds: orientations of the meshes that means are over;
-    kind: time (errors of the motion on the same mesh: these have one reference and can be compared
-    among each other), space, model (a difference, not an error) or cost (no error but
-    round-off)."""
+    """Values of a setting in a scene.
+
+    values: coarse to fine
+    reference: changes of the runs that all values are compared with; None: each has its own
+    check, ratio: changes of the second finest ones, which tell the uncertainty of the reference,
+        and by how much smaller the reference's error is than theirs
+    order: expected of the error in x
+    seeds: orientations of the meshes that means are over
+    paired: runs are compared with the reference of the same orientation, and the error is the root
+        mean square over orientations; else their means are
+    kind: time (steps, all against one reference, so that they can be compared among each other),
+        solver, space, look, division, marks, border; model (a difference, not an error); cost (no
+        error but round-off)
+    """
 
     name: str
     scene: str
@@ -34,6 +41,7 @@ class Knob:
     ratio: float = 2.0
     order: float | None = None
     seeds: tuple = ({},)
+    paired: bool = False
 
     def runs(self, changes):
         """Points with these changes, one per orientation."""
@@ -172,29 +180,30 @@ def bile_duct(full):
 
 
 def lumen(full):
-    knobs = motion_knobs("lumen", (2, 1), (20, 10, 5, 2.5), 0.25, ("60", "20", "10", "5"))
+    knobs = motion_knobs("lumen", (1, 0.5, 0.25), (10, 5, 2.5, 1), 0.125, ("60", "20", "10", "5"))
     knobs.append(mesh("lumen", 3, turned(1, 2, 3, 4)))
+    # when a cell has a face marked decides when the lumen opens: there is no order
     fine = dict(step="implicit 1")
     for fix in ("osmosis", "polarity"):
         knobs.append(Knob(f"every, fix dcm/{fix}", "lumen", "look", tuple(
             Value(f"every {n}, steps of 1 s", float(n), fine | {fix: str(n)})
-            for n in (60, 20, 10, 5, 2)), fine | {fix: "1"}, fine | {fix: "2"}, order=1.0))
+            for n in (60, 20, 10, 5, 2)), fine | {fix: "1"}, fine | {fix: "2"}))
     knobs.append(Knob("longest, fix dcm/osmosis", "lumen", "time", tuple(
         Value(f"longest {x} s", float(x), dict(fluid=x)) for x in ("60", "20", "10", "5", "2")),
-        dict(step="explicit 0.25", tolerance=TIGHT), dict(step="explicit 0.5", tolerance=TIGHT)))
+        dict(step="explicit 0.125", tolerance=TIGHT), dict(step="explicit 0.25", tolerance=TIGHT)))
     tracer = dict(marks="tracer", substeps="10")
     knobs.append(Knob("tracers", "lumen", "marks", tuple(
         Value(f"{n} tracers a cell", float(n), tracer | dict(number=str(n)))
         for n in ((60, 125, 250, 500, 1000) + ((2000,) if full else ()))),
         tracer | dict(number="4000" if full else "2000"),
-        tracer | dict(number="2000" if full else "1000"), 2.0**0.5, -0.5, turned(1, 2, 3)))
+        tracer | dict(number="2000" if full else "1000"), 2.0**0.5, -0.5, turned(1, 2, 3), True))
     knobs.append(Knob("steps of tracers", "lumen", "marks", tuple(
         Value(f"{n} substeps", 1.0 / n, dict(marks="tracer", substeps=str(n)))
         for n in (1, 2, 5, 10)), dict(marks="tracer", substeps="40"),
-        dict(marks="tracer", substeps="20"), seeds=turned(1, 2, 3)))
+        dict(marks="tracer", substeps="20"), seeds=turned(1, 2, 3), paired=True))
     knobs.append(Knob("marks", "lumen", "model", (
         Value("marks flood", None, {}), Value("marks tracer", None, tracer)), {},
-        seeds=turned(1, 2, 3)))
+        seeds=turned(1, 2, 3), paired=True))
     return knobs
 
 
@@ -207,7 +216,7 @@ def migration(full):
 def border(full):
     values = tuple(Value(f"border {b}", None, dict(border=b)) for b in ("none", "0", "1", "2", "3"))
     return [Knob("border", "border", "border", values, dict(border="all"),
-                 seeds=turned(1, 2, 3) if full else turned(1, 2))]
+                 seeds=turned(1, 2, 3) if full else turned(1, 2), paired=True)]
 
 
 SETS = dict(doublet=doublet, compress=compress, spheroid=spheroid, bile_duct=bile_duct, lumen=lumen,
