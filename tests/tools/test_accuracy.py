@@ -201,10 +201,16 @@ def test_an_example_that_has_changed_is_an_error():
 def test_summary_of_a_scene(runner, monkeypatch):
     monkeypatch.setattr(tables, "knobs_of", lambda scene, full: [knob()])
     runner.run_all(knob().points())
-    summary = tables.Map("made", runner.result).summary()
-    assert summary["steps"] == tables.percent(0.05 * 3 / 12.0)
-    assert summary["5 %, steps"].endswith(" s")
-    assert summary["1 %, steps"].startswith("not reached: 1.3 %")
+    made = tables.Map("made", runner.result)
+    # place: 0.05 * 3 of 12 um; height: 0.1 * 3 um of one of two cells, which is more
+    height = 0.3 / math.sqrt(2) / math.sqrt((10.1**2 + 20.0**2) / 2)
+    assert made.summary()["steps"] == f"{tables.percent(height)} (height)"
+    assert made.costs()["5 %, steps"].endswith(" s")
+    assert made.costs()["1 %, steps"].startswith("not reached; 1.3 %")
+    table = made.table()
+    assert [row[:3] for row in table[:2]] == [
+        ["dt", "40 s", "failed"], ["dt", "16 s", tables.percent(5 * height)]]
+    assert "default" in table[-1][-1]
 
 
 def test_tables_can_be_read_again(runner, monkeypatch, tmp_path):

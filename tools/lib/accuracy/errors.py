@@ -151,6 +151,12 @@ class Head:
     def which(self):
         return self.row.quantity
 
+    @property
+    def median(self):
+        """Median of the relative errors of the head quantities."""
+        known = [r.relative for r in self.rows if r.head and r.relative == r.relative]
+        return float(np.median(known)) if known else math.nan
+
 
 def heads(rows):
     """One Head per knob and value, in the order of the rows."""

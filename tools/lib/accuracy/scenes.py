@@ -32,10 +32,12 @@ class Quantity:
 class Scene:
     """Defaults of all settings, `write` for a run's folder and `read` of what it left.
 
-    hours: of biology in a run, None where there is no such time; cells: radius of the cells, um;
-    about: a sentence for the table."""
+    about: a sentence for the table; hours: of biology in a run, None where there is no such time;
+    radius: of the cells, um; number of deformable cells, seconds of a run in its own time and
+    speed, CPU seconds per node and step: rough, for the time left."""
 
-    name, about, hours, cells = "", "", None, 6.0
+    name, about, hours, radius = "", "", None, 6.0
+    number, seconds, speed = 1, 2000.0, 1e-6
     defaults, quantities = {}, ()
     common = dict(level="2", seed="1", step="auto 0.02", longest="60", tolerance="1e-3",
                   law="foundation", h0="", points="", layer="0.1", skin="1.0")
@@ -61,11 +63,12 @@ class Scene:
         return decks.motion(s["step"], s["tolerance"], s["longest"])
 
     def weight(self, settings):
-        """About how long a run takes, in a unit of its own: for the time left."""
+        """About how many seconds a run takes: for the time left."""
         s = self.settings(settings)
         kind, value = s["step"].split()
-        step = float(value) if kind != "auto" else 400.0 * float(value)**(2.0 / 3.0)
-        return (self.hours or 0.3) * 4.0**int(s["level"]) / step * (4 if self.cells > 4.9 else 2)
+        step = float(value) if kind != "auto" else 25.0 * (float(value) / 0.02)**0.3
+        nodes = self.number * (10 * 4**int(s["level"]) + 2)
+        return 0.15 + self.speed * nodes * self.seconds / step
 
 
 def cell_values(rows, keys, start=None):
@@ -98,6 +101,7 @@ class BileDuct(Scene):
     name = "bile_duct"
     about = "14 deformable cells and 66 spheres come to rest around a vein, 1500 s"
     hours = 1500.0 / 3600.0
+    number, seconds, speed = 14, 1500.0, 2.4e-6
     times = (300.0, 1500.0)
     quantities = tuple(
         q for t in ("300 s", "1500 s") for q in (
@@ -146,7 +150,8 @@ def layer(s):
 class Spheroid(Scene):
     name = "spheroid"
     about = "one cell becomes four in 2.4 h (cycle of 1 h)"
-    hours, cells = 2.4, 4.76
+    hours, radius = 2.4, 4.76
+    number, seconds = 1.6, 8640.0
     defaults = dict(division="1e-3")
     times = (6480.0, 8640.0)    # two cells, 47 min after the division; four, some minutes after
     quantities = (Quantity("times of divisions / cycle", "division", "s", "cycle"), *(
@@ -201,6 +206,7 @@ class Spheroid(Scene):
 class Compress(Scene):
     name = "compress"
     about = "one cell between plates, pushed together by 0.5 um three times, 400 s each"
+    seconds = 1200.0
     defaults = dict(step="implicit 4", tolerance="1e-4", skin="0.6", seed="3", longest="60")
     quantities = tuple(
         Quantity(f"{name}, {when}", f"{of} {when}", unit)
@@ -247,6 +253,7 @@ jump            SELF again
 class Doublet(Scene):
     name = "doublet"
     about = "two cells adhere for 2000 s and are pulled apart"
+    number, seconds = 2, 4000.0
     defaults = dict(step="implicit 1", skin="0.3", seed="3", other="11", press="0.0", pull="yes",
                     friction="5")
     quantities = (
@@ -305,6 +312,7 @@ class Lumen(Scene):
     name = "lumen"
     about = "a lumen opens between four cells and holds, 40 min"
     hours = 2400.0 / 3600.0
+    number, seconds, speed = 4, 2400.0, 4e-6
     times = (1500, 1800, 2100, 2400)
     defaults = dict(longest="20", osmosis="", polarity="", fluid="", marks="flood", number="500",
                     substeps="1")
@@ -355,6 +363,7 @@ class Migration(Scene):
     name = "migration"
     about = "a cell crawls through between two others, 2000 s, forces held for 20 s"
     hours = 2000.0 / 3600.0
+    number = 3
     defaults = dict(step="explicit 1", law="dmt", skin="0.6", seed="3", longest="20")
     quantities = (
         Quantity("mean squared displacement", "msd", "um^2"),
@@ -392,6 +401,7 @@ class Border(Scene):
     name = "border"
     about = "a cell grows in a layer of spheres, rings of deformable cells around it, 45 min"
     hours = 0.75
+    number, seconds, speed = 50, 2700.0, 1.5e-5
     defaults = dict(border="1")
     quantities = (
         Quantity("pressure of the middle and its neighbors", "pressure", "kPa"),

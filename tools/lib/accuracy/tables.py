@@ -77,28 +77,57 @@ class Map:
                     found.append(head)
         return found
 
+    def unit(self):
+        return "s/h" if SCENES[self.scene].hours else "s"
+
     def summary(self):
-        """Row of the summary table: dict of texts."""
-        scene, default = SCENES[self.scene], self.default()
-        unit = "s/h" if scene.hours else "s"
-        meshes = self.heads.get("mesh", [])
-        mesh = next((h for h in meshes if h.row.default), None)
-        found = {"scene": self.scene,
-                 "default": "-" if default is None else f"{number(default.row.cost)} {unit}",
-                 "steps": percent(default.row.relative) if default else "-",
-                 "mesh (mean)": percent(mesh.row.relative) if mesh else "-",
-                 "mesh (one orientation)":
-                     f"{percent(mesh.row.low)} to {percent(mesh.row.high)}" if mesh else "-"}
-        for name, heads_ in (("steps", self.motion), ("mesh", meshes)):
-            for target in TARGETS:
-                best = cheapest([h.row for h in heads_], target)
-                known = [h.row for h in heads_ if h.row.relative == h.row.relative]
-                least = min(known, key=lambda r: r.relative, default=None)
-                found[f"{100 * target:g} %, {name}"] = (
-                    f"{number(best.cost)} {unit}: {best.label}" if best else
-                    f"not reached: {percent(least.relative)} % at {number(least.cost)} {unit}"
-                    if least else "-")
+        """What the default leaves: dict of texts, a row of the summary table."""
+        default = self.default()
+        mesh = next((h for h in self.heads.get("mesh", []) if h.row.default), None)
+        found = {"scene": self.scene, "default costs": "-", "steps": "-", "median": "-"}
+        if default:
+            found |= {"default costs": f"{number(default.row.cost)} {self.unit()}",
+                      "steps": f"{percent(default.row.relative)} ({default.which})",
+                      "median": percent(default.median)}
+        found |= {"mesh": "-", "one orientation": "-"}
+        if mesh:
+            found |= {"mesh": f"{percent(mesh.row.relative)} ({mesh.which})",
+                      "one orientation": f"{percent(mesh.row.low)} to {percent(mesh.row.high)}"}
         found["half the error"] = self.half()
+        return found
+
+    def costs(self):
+        """What 5 % and 1 % cost: dict of texts."""
+        found = {"scene": self.scene}
+        for name, heads_ in (("steps", self.motion), ("mesh", self.heads.get("mesh", []))):
+            known = [h.row for h in heads_ if h.row.relative == h.row.relative]
+            least = min(known, key=lambda r: r.relative, default=None)
+            for target in TARGETS:
+                best = cheapest(known, target)
+                found[f"{100 * target:g} %, {name}"] = (
+                    f"{number(best.cost)} {self.unit()}: {best.label}" if best else
+                    f"not reached; {percent(least.relative)} %: {number(least.cost)} {self.unit()}"
+                    if least else "-")
+        return found
+
+    def table(self):
+        """Rows of the scene's table: setting, value, error, its quantity, median, band, time,
+        steps, and what it is."""
+        ahead, found = {id(h.row) for h in self.front()}, []
+        best = {h.row.label for h in self.motion if id(h.row) in ahead}
+        for knob in self.knobs:
+            for head in self.heads[knob.name]:
+                row = head.row
+                if row.note:
+                    found.append([knob.name, row.label, "failed", "", "", "", "", "", ""])
+                    continue
+                marks = ["default"] * row.default
+                marks += ["front"] * (knob.kind in TIME and row.label in best)
+                marks += ["below ref"] * bool(row.relative <= row.uncertain)
+                band = f"{percent(row.low)} to {percent(row.high)}" if row.runs > 1 else ""
+                found.append([knob.name, row.label, percent(row.relative), row.quantity,
+                              percent(head.median), band, number(row.cost), f"{row.steps:.0f}",
+                              ", ".join(marks)])
         return found
 
     def half(self):
@@ -135,6 +164,25 @@ def order_rows(map_):
     return found
 
 
+ADHESION = [q for q in SCENES["doublet"].quantities if q.of != "distance"]
+
+
+def adhesion(map_):
+    """Rows of what two cells that adhere come to with steps of each length: values, not errors."""
+    found = []
+    for name in ("dt, explicit", "dt, implicit", "dt, explicit, law dmt"):
+        knob = next(k for k in map_.knobs if k.name == name)
+        ends = [(v.label, v.changes) for v in knob.values]
+        if name != "dt, implicit":
+            ends.append((f"{knob.reference['step']} s", knob.reference))
+        for label, changes in ends:
+            result = map_.look(knob.runs(changes)[0])
+            if result and not result.note:
+                law = changes.get("law", "foundation")
+                found.append([law, label, *(f"{result.values[q.of][''][0]:.4g}" for q in ADHESION)])
+    return found
+
+
 def write(path, names, rows):
     """A CSV file."""
     with open(path, "w", encoding="ascii", newline="") as handle:
@@ -151,14 +199,22 @@ def plain(value):
 
 
 def write_all(maps, folder):
-    """points.csv, summary.csv, orders.csv, front.csv, failed.csv."""
+    """points.csv, summary.csv, costs.csv, orders.csv, off_front.csv, failed.csv, a table of every
+    scene, and adhesion.csv of the doublet."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = [row for m in maps for part in m.rows.values() for row in part]
     write(folder / "points.csv", [f.name for f in fields(Row)],
           [[plain(v) for v in astuple(row)] for row in rows])
-    table = [m.summary() for m in maps]
-    if table:
-        write(folder / "summary.csv", list(table[0]), [list(t.values()) for t in table])
+    for name, table in (("summary", [m.summary() for m in maps]),
+                        ("costs", [m.costs() for m in maps])):
+        write(folder / f"{name}.csv", list(table[0]), [list(t.values()) for t in table])
+    for m in maps:
+        time = "s of CPU / h" if SCENES[m.scene].hours else "s of CPU"
+        write(folder / f"{m.scene}.csv", ["setting", "value", "error, %", "of", "median, %",
+                                          "one orientation, %", time, "steps", "is"], m.table())
+        if m.scene == "doublet":
+            write(folder / "adhesion.csv", ["law", "steps", *(q.name for q in ADHESION)],
+                  adhesion(m))
     write(folder / "orders.csv", ["scene", "setting", "expected", "quantity", "found", "between"],
           [r for m in maps for r in order_rows(m)])
     off = []
@@ -177,7 +233,7 @@ def write_all(maps, folder):
 def text(map_):
     """All of a scene as a plain table: relative errors in percent."""
     scene = SCENES[map_.scene]
-    lines = [f"=== {map_.scene}: {scene.about}; radius {scene.cells:g} um; times in s of CPU "
+    lines = [f"=== {map_.scene}: {scene.about}; radius {scene.radius:g} um; times in s of CPU "
              + ("per hour of biology" if scene.hours else "per run"),
              "defaults: " + " ".join(f"{k}={v}" for k, v in scene.settings({}).items() if v),
              "errors in percent; (low-high): of single orientations; ref: uncertainty of the "
@@ -207,5 +263,5 @@ def text(map_):
         f"{h.row.label} {percent(h.row.relative)} % {number(h.row.cost)} s" for h in map_.front()))
     lines += [f"default beaten by {h.row.label}: {percent(h.row.relative)} % {number(h.row.cost)} s"
               for h in map_.better_than_default()]
-    lines += [f"{k}: {v}" for k, v in map_.summary().items()]
+    lines += [f"{k}: {v}" for k, v in (map_.summary() | map_.costs()).items()]
     return "\n".join(lines) + "\n"
