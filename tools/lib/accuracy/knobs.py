@@ -60,7 +60,7 @@ class Knob:
 
 TIGHT = "1e-8"
 AUTO = ("0.1", "0.05", "0.02", "0.01", "0.005", "0.0025")
-NODES = {"1": 42, "2": 162, "3": 642, "4": 2562}
+NODES = {"1": 42, "2": 162, "3": 642, "4": 2562, "5": 10242}
 
 
 def motion_knobs(scene, explicit, implicit, finest, longest, auto=AUTO, tolerances=True):
@@ -157,7 +157,7 @@ def compress(full):
 def spheroid(full):
     knobs = motion_knobs("spheroid", (2, 1, 0.5), (60, 20, 10, 5, 2, 1), 0.25,
                          ("120", "60", "30", "20", "10"))
-    knobs.append(mesh("spheroid", 4 if full else 3, turned(1, 2, 3, 4)))
+    knobs.append(mesh("spheroid", 5 if full else 4, turned(1, 2, 3, 4)))
     knobs.append(Knob("tolerance of division", "spheroid", "division", tuple(
         Value(f"tolerance {t}", float(t) if float(t) > 1e-4 else None, dict(division=t))
         for t in ("0.1", "0.01", "0.003", "0.001", "0.0003", "1e-5")), dict(division="1e-4"),
@@ -168,7 +168,7 @@ def spheroid(full):
 def bile_duct(full):
     knobs = motion_knobs("bile_duct", (2, 1), (60, 20, 10, 5, 2.5), 0.25,
                          ("120", "60", "30", "20", "10"))
-    knobs.append(mesh("bile_duct", 4 if full else 3, turned(1, 2, 3)))
+    knobs.append(mesh("bile_duct", 4, turned(1, 2, 3) if full else turned(1, 2)))
     knobs.append(Knob("neighbor skin", "bile_duct", "cost", tuple(
         Value(f"skin {x} um", float(x), dict(skin=x)) for x in ("0.3", "0.5", "1.0", "1.5", "2.0")),
         {}))
@@ -181,7 +181,7 @@ def bile_duct(full):
 
 def lumen(full):
     knobs = motion_knobs("lumen", (1, 0.5, 0.25), (10, 5, 2.5, 1), 0.125, ("60", "20", "10", "5"))
-    knobs.append(mesh("lumen", 3, turned(1, 2, 3, 4)))
+    knobs.append(mesh("lumen", 4 if full else 3, turned(1, 2, 3, 4)))
     # when a cell has a face marked decides when the lumen opens: there is no order
     fine = dict(step="implicit 1")
     for fix in ("osmosis", "polarity"):
