@@ -11,7 +11,7 @@ from .draw import draw
 from .knobs import knobs_of
 from .points import Runner
 from .scenes import SCENES
-from .tables import Map, text, write_all
+from .tables import Map, sections, text, write_all
 
 PAGE = ROOT / "doc" / "accuracy"
 PICTURES = ROOT / "doc" / "img"
@@ -55,7 +55,8 @@ def report(maps, folder, pictures, note=None):
     for m in maps:
         draw(m, pictures / f"accuracy_{m.scene}.png")
     if note:
-        (folder / "machine.txt").write_text(note)
+        (folder / "machine.txt").write_text(note, encoding="ascii")
+        (folder / "scenes.txt").write_text(sections(maps))
 
 
 def machine(full):
@@ -75,10 +76,10 @@ def main(words=None, lmp=None):
         lmp = lmp or os.environ.get("DCM_LMP", "lmp").split()
         runner = Runner(folder, lmp, args.jobs)
         if not args.report:
-            runner.run_all([p for s in args.scenes for k in knobs_of(s, args.full)
-                            for p in k.points()])
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / "machine.txt").write_text(machine(args.full))
+            made = runner.run_all([p for s in args.scenes for k in knobs_of(s, args.full)
+                                   for p in k.points()])
+            if made:
+                (folder / "machine.txt").write_text(machine(args.full))
         maps = [Map(s, runner.result, args.full) for s in args.scenes]
         report(maps, folder, folder)
         whole = "\n".join(text(m) for m in maps)

@@ -126,7 +126,8 @@ class Runner:
             time.sleep(0.02)
 
     def run_all(self, points):
-        """Run what has no result yet, the least work first; prints progress and time left."""
+        """Run what has no result yet, the least work first; prints progress and time left. Returns
+        how many runs that were."""
         todo = [p for p in dict.fromkeys(points) if self.result(p) is None]
         weight = {p: SCENES[p.scene].weight(dict(p.changes)) for p in todo}
         every, behind, begun = sum(weight.values()), 0.0, time.time()
@@ -161,3 +162,4 @@ class Runner:
             except BaseException:
                 self.stopping = True
                 raise
+        return number

@@ -1,6 +1,7 @@
 """What the runs come to, as text and as the CSV files of doc/accuracy."""
 import csv
 import math
+import textwrap
 from dataclasses import astuple, fields
 
 import numpy as np
@@ -228,6 +229,34 @@ def write_all(maps, folder):
                                      "its error (%)", "its cost (s/h)"], off)
     failed = sorted({(r.scene, r.knob, r.label, r.note) for r in rows if r.note})
     write(folder / "failed.csv", ["scene", "setting", "value", "why"], failed)
+
+
+SECTION = """{name}
+{line}
+
+{what}
+
+.. image:: /img/accuracy_{name}.png
+   :alt: error against time of the settings in this scene, and what the default's error is made of
+
+.. csv-table::
+   :file: /accuracy/{name}.csv
+   :header-rows: 1
+
+"""
+
+
+def sections(maps):
+    """The part of the manual's page that has a picture and a table per scene: text."""
+    found = ""
+    for m in maps:
+        scene = SCENES[m.scene]
+        values = ", ".join(f"*{k}* {v}" for k, v in scene.settings({}).items() if v)
+        what = (f"{scene.about[0].upper()}{scene.about[1:]}.  Radius of the cells "
+                f"{scene.radius:g} um.  Defaults: {values}.")
+        found += SECTION.format(name=m.scene, line="^" * len(m.scene),
+                                what=textwrap.fill(what, 98, break_on_hyphens=False))
+    return found
 
 
 def text(map_):
