@@ -50,10 +50,11 @@ def parse(words):
 
 def report(maps, folder, pictures, note=None):
     """CSV files and pictures; `note`: text of machine and date, for the page."""
-    write_all(maps, folder)
     pictures.mkdir(parents=True, exist_ok=True)
-    for m in maps:
-        draw(m, pictures / f"accuracy_{m.scene}.png")
+    maps = [m for m in maps if draw(m, pictures / f"accuracy_{m.scene}.png")]
+    if not maps:
+        raise ValueError("nothing has been run yet")
+    write_all(maps, folder)
     if note:
         (folder / "machine.txt").write_text(note, encoding="ascii")
         (folder / "scenes.txt").write_text(sections(maps))

@@ -147,7 +147,7 @@ class Map:
 
 
 def order_rows(map_):
-    """Rows (scene, knob, expected, quantity, orders from coarse to fine) of what has an order."""
+    """(knob, expected, quantity, orders from coarse to fine) of what has an order."""
     found = []
     for knob in map_.knobs:
         if knob.order is None:
@@ -159,9 +159,23 @@ def order_rows(map_):
             mine = [r for r in map_.rows[knob.name] if r.quantity == q.name]
             steps = orders(mine, finest)
             if steps:
-                found.append((map_.scene, knob.name, f"{knob.order:.2g}", q.name,
-                              "; ".join("-" if math.isnan(p) else f"{p:.2f}" for _, _, p in steps),
-                              f"{steps[0][0]} to {steps[-1][1]}"))
+                found.append((knob.name, f"{knob.order:.2g}", q, [p for _, _, p in steps]))
+    return found
+
+
+def order_table(map_):
+    """Rows of the table of orders: scene, setting, expected, median over the head quantities of
+    the order between the two finest values, the same one pair coarser, smallest and largest, how
+    many quantities."""
+    found, rows = [], order_rows(map_)
+    for name, expected in dict.fromkeys((r[0], r[1]) for r in rows):
+        steps = [r[3] for r in rows if r[0] == name and r[2].head]
+        last = [s[-1] for s in steps if s and math.isfinite(s[-1])]
+        before = [s[-2] for s in steps if len(s) > 1 and math.isfinite(s[-2])]
+        if last:
+            found.append([map_.scene, name, expected, f"{np.median(last):.2f}",
+                          f"{np.median(before):.2f}" if before else "-",
+                          f"{min(last):.2f} to {max(last):.2f}", len(last)])
     return found
 
 
@@ -216,8 +230,9 @@ def write_all(maps, folder):
         if m.scene == "doublet":
             write(folder / "adhesion.csv", ["law", "steps", *(q.name for q in ADHESION)],
                   adhesion(m))
-    write(folder / "orders.csv", ["scene", "setting", "expected", "quantity", "found", "between"],
-          [r for m in maps for r in order_rows(m)])
+    write(folder / "orders.csv", ["scene", "setting", "expected", "found", "one pair coarser",
+                                  "smallest to largest", "quantities"],
+          [r for m in maps for r in order_table(m)])
     off = []
     for m in maps:
         default = m.default()
@@ -225,8 +240,8 @@ def write_all(maps, folder):
             off.append([m.scene, default.row.label, percent(default.row.relative),
                         number(default.row.cost), h.row.label, percent(h.row.relative),
                         number(h.row.cost)])
-    write(folder / "off_front.csv", ["scene", "default", "error (%)", "cost (s/h)", "better",
-                                     "its error (%)", "its cost (s/h)"], off)
+    write(folder / "off_front.csv", ["scene", "default", "error, %", "costs, s/h or s", "better",
+                                     "its error, %", "costs, s/h or s"], off)
     failed = sorted({(r.scene, r.knob, r.label, r.note) for r in rows if r.note})
     write(folder / "failed.csv", ["scene", "setting", "value", "why"], failed)
 
@@ -240,7 +255,7 @@ SECTION = """{name}
    :alt: error against time of the settings in this scene, and what the default's error is made of
 
 .. csv-table::
-   :file: /accuracy/{name}.csv
+   :file: {name}.csv
    :header-rows: 1
 
 """
@@ -287,7 +302,9 @@ def text(map_):
         if known:
             lines.append("  ref: " + "; ".join(f"{q} {percent(u)}" for q, u in known.items()))
     lines.append("orders (expected: found, coarse to fine):")
-    lines += [f"  {r[1]:20s} {r[3]:34s} {r[2]:>5s}: {r[4]}" for r in order_rows(map_)]
+    lines += [f"  {name:20s} {q.name:34s} {expected:>5s}: "
+              + "; ".join("-" if math.isnan(p) else f"{p:.2f}" for p in steps)
+              for name, expected, q, steps in order_rows(map_)]
     lines.append("front of steps: " + "; ".join(
         f"{h.row.label} {percent(h.row.relative)} % {number(h.row.cost)} s" for h in map_.front()))
     lines += [f"default beaten by {h.row.label}: {percent(h.row.relative)} % {number(h.row.cost)} s"
