@@ -184,6 +184,8 @@ def test_every_setting_of_every_scene_is_known_and_writes_a_deck(tmp_path):
                 if one.kind not in ("model", "cost") and one.reference is not None:
                     same = {p for v in one.values for p in one.runs(v.changes)}
                     assert same.isdisjoint(one.runs(one.reference)), (scene, one.name)
+                if one.kind in ("solver", "division") or one.name == "mesh":
+                    assert any(map(one.is_default, one.values)), (scene, one.name)
         assert len(digest(Point.of(scene))) == 16
 
 

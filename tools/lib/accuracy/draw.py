@@ -21,11 +21,13 @@ def draw(map_, path):
              any(h.row.relative == h.row.relative for h in map_.heads[k.name])]
     if not shown:
         return False
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11.5, 4.8), layout="constrained",
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11.5, 5.2), layout="constrained",
                                             width_ratios=(3, 2))
     colors = dict(zip((k.name for k in shown), pyplot.get_cmap("tab10").colors))
     work(map_, shown, left, colors)
     budget(map_, right, colors)
+    figure.legend(*left.get_legend_handles_labels(), fontsize=8, ncols=6,
+                  loc="outside lower center")
     figure.suptitle(f"{map_.scene}: {SCENES[map_.scene].about}", fontsize=10)
     figure.savefig(path, dpi=90)
     pyplot.close(figure)
@@ -37,8 +39,10 @@ def work(map_, shown, axes, colors):
     for knob in shown:
         rows = [h.row for h in map_.heads[knob.name] if h.row.relative == h.row.relative]
         error = [100.0 * max(r.relative, FLOOR) for r in rows]
-        cost, color = [r.cost for r in rows], colors[knob.name]
-        axes.plot(error, cost, "-", lw=1, color=color)
+        color = colors[knob.name]
+        line = [(e, r.cost) for r, e in zip(rows, error) if r.x is not None]
+        if line:
+            axes.plot(*zip(*line), "-", lw=1, color=color)
         for r, e in zip(rows, error):
             unclear = r.relative <= r.uncertain
             axes.plot(e, r.cost, MARKS[knob.kind], color=color, ms=5,
@@ -57,7 +61,6 @@ def work(map_, shown, axes, colors):
     axes.set(xscale="log", yscale="log", xlabel="relative error, largest of the quantities (%)",
              ylabel=f"CPU seconds per {per}")
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=7, framealpha=0.7)
 
 
 def budget(map_, axes, colors):

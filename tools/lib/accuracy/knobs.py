@@ -160,8 +160,8 @@ def spheroid(full):
     knobs.append(mesh("spheroid", 5 if full else 4, turned(1, 2, 3, 4)))
     knobs.append(Knob("tolerance of division", "spheroid", "division", tuple(
         Value(f"tolerance {t}", float(t) if float(t) > 1e-4 else None, dict(division=t))
-        for t in ("0.1", "0.01", "0.003", "0.001", "0.0003", "1e-5")), dict(division="1e-4"),
-        dict(division="0.0003"), ratio=3.0, order=1.0))
+        for t in ("0.1", "0.01", "0.003", "1e-3", "3e-4", "1e-5")), dict(division="1e-4"),
+        dict(division="3e-4"), ratio=3.0, order=1.0))
     return knobs
 
 
