@@ -215,6 +215,19 @@ def test_summary_of_a_scene(runner, monkeypatch):
     assert "default" in table[-1][-1]
 
 
+def test_a_run_that_measures_less_is_not_on_the_front(runner, monkeypatch):
+    """It may be cheaper, and its largest error smaller, for what it leaves out."""
+    monkeypatch.setattr(tables, "knobs_of", lambda scene, full: [knob()])
+    runner.run_all(knob().points())
+    path = runner.place(Point.of("made", step="implicit 8")) / "result.json"
+    result = json.loads(path.read_text())
+    del result["values"]["height"]
+    path.write_text(json.dumps(result | dict(seconds=1e-9)))
+    made = tables.Map("made", runner.result)
+    assert {h.row.label for h in made.motion} == {"16 s", "4 s"}
+    assert made.better_than_default() == []
+
+
 def test_tables_can_be_read_again(runner, monkeypatch, tmp_path):
     monkeypatch.setattr(tables, "knobs_of", lambda scene, full: [knob()])
     runner.run_all(knob().points())

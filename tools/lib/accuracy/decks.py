@@ -48,18 +48,24 @@ def until(text, begin):
 
 
 def motion(step, tolerance, longest="60"):
-    """Keywords of fix dcm/motion. step: `auto X`, `implicit DT` or `explicit DT`; longest step of
-    auto in s."""
+    """Keywords of fix dcm/motion. step: `accuracy A`, `auto X`, `implicit DT` or `explicit DT`;
+    longest step of the first two in s. The first one chooses the tolerance of the solver."""
     kind, value = step.split()
+    if kind == "accuracy":
+        return f"scheme implicit accuracy {value} dt auto max {longest}"
     if kind == "auto":
         return f"scheme implicit tolerance {tolerance} dt auto tol {value} max {longest}"
     return f"scheme {kind} tolerance {tolerance}" + (" maxmove 1" if kind == "implicit" else "")
 
 
+def chosen(step):
+    """Does the program choose the steps?"""
+    return step.split()[0] in ("accuracy", "auto")
+
+
 def timestep(step):
-    """Command timestep for `step`: one second with `auto`, where it is the shortest step."""
-    kind, value = step.split()
-    return "timestep        " + ("1.0" if kind == "auto" else value)
+    """Command timestep for `step`: one second, the shortest step, where it is chosen."""
+    return "timestep        " + ("1.0" if chosen(step) else step.split()[1])
 
 
 def pair(settings):

@@ -23,7 +23,7 @@ def draw(map_, path):
         return False
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(11.5, 5.2), layout="constrained",
                                             width_ratios=(3, 2))
-    colors = dict(zip((k.name for k in shown), pyplot.get_cmap("tab10").colors))
+    colors = dict(zip((k.name for k in shown), pyplot.get_cmap("tab20").colors))
     work(map_, shown, left, colors)
     budget(map_, right, colors)
     figure.legend(*left.get_legend_handles_labels(), fontsize=8, ncols=6,

@@ -152,6 +152,11 @@ class Head:
         return self.row.quantity
 
     @property
+    def known(self):
+        """Names of the head quantities that were measured."""
+        return {r.quantity for r in self.rows if r.head and r.relative == r.relative}
+
+    @property
     def median(self):
         """Median of the relative errors of the head quantities."""
         known = [r.relative for r in self.rows if r.head and r.relative == r.relative]

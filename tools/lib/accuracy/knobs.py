@@ -75,6 +75,9 @@ def motion_knobs(scene, explicit, implicit, finest, longest, auto=AUTO, toleranc
     # a step may leave X sqrt(h/B) and leaves about h^2: h as X^(2/3), errors of first order in h
     values = tuple(Value(f"auto tol {x}", float(x), dict(step=f"auto {x}")) for x in auto)
     found.append(Knob("dt auto tol", scene, "time", values, fine, near, order=2.0 / 3.0))
+    values = tuple(Value(f"accuracy {a}", float(a), dict(step=f"accuracy {a}"))
+                   for a in ("0.1", "0.05", "0.02", "0.01", "0.005"))
+    found.append(Knob("accuracy", scene, "time", values, fine, near, order=1.0))
     if longest:
         values = tuple(Value(f"max {m} s", float(m), dict(step="auto 0.02", longest=m))
                        for m in longest)
@@ -107,7 +110,7 @@ def doublet(full):
     rest = dict(pull="no")
     knobs = motion_knobs("doublet", (0.25,), (0.5, 1, 2, 4, 8), 0.0625, ())
     # the pull counts steps of one length: with dt auto only the rest is there
-    knobs = [k if k.name != "dt auto tol" else Knob(
+    knobs = [k if k.name not in ("dt auto tol", "accuracy") else Knob(
         k.name, k.scene, k.kind, tuple(Value(v.label, v.x, v.changes | rest) for v in k.values),
         k.reference, k.check, k.ratio, k.order) for k in knobs]
     # a contact that grows: its rim moves face by face, which mean velocities of cells do not tell

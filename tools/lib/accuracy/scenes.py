@@ -65,8 +65,8 @@ class Scene:
     def weight(self, settings):
         """About how many seconds a run takes: for the time left."""
         s = self.settings(settings)
-        kind, value = s["step"].split()
-        step = float(value) if kind != "auto" else 25.0 * (float(value) / 0.02)**0.3
+        value = float(s["step"].split()[1])
+        step = 25.0 * (value / 0.02)**0.3 if decks.chosen(s["step"]) else value
         nodes = self.number * (10 * 4**int(s["level"]) + 2)
         return 0.15 + self.speed * nodes * self.seconds / step
 
@@ -287,8 +287,7 @@ print "rest distance $(v_distance:%.10g)"
 fix_modify move stop 1e9
 """, text[pull:]
         (folder / "in.run").write_text(first + (second if s["pull"] == "yes" else ""))
-        step = s["step"].split()
-        dt = [] if step[0] == "auto" else ["-var", "dt", step[1]]
+        dt = [] if decks.chosen(s["step"]) else ["-var", "dt", s["step"].split()[1]]
         return ["-var", "level", s["level"], "-var", "seed", s["seed"], "-var", "other", s["other"],
                 "-var", "press", s["press"], "-var", "friction", s["friction"],
                 "-var", "image", "no", *dt]
@@ -399,9 +398,9 @@ class Migration(Scene):
 
 class Border(Scene):
     name = "border"
-    about = "a cell grows in a layer of spheres, rings of deformable cells around it, 45 min"
-    hours = 0.75
-    number, seconds, speed = 50, 2700.0, 1.5e-5
+    about = "a cell grows in a layer of spheres, rings of deformable cells around it, 75 min"
+    hours = 1.25
+    number, seconds, speed = 50, 4500.0, 1.5e-5
     defaults = dict(border="1")
     quantities = (
         Quantity("pressure of the middle and its neighbors", "pressure", "kPa"),
@@ -416,7 +415,7 @@ class Border(Scene):
         (folder / "in.run").write_text(text)
         shutil.copy(EXAMPLES / "resolution/cells.txt", folder)
         return ["-var", "border", s["border"], "-var", "level", s["level"], "-var", "seed",
-                s["seed"], "-var", "motion", self.move(s)]
+                s["seed"], "-var", "motion", self.move(s), "-var", "hours", f"{self.hours}"]
 
     def read(self, folder):
         _, rows = decks.frames(folder / "resolution.table")[-1]
@@ -430,8 +429,7 @@ class Border(Scene):
 
 
 SCENES = {scene.name: scene for scene in
-          (Doublet(), Compress(), Spheroid(), BileDuct(), Lumen(), Migration(), Border())
-          if scene.name != "border" or (EXAMPLES / "resolution").exists()}
+          (Doublet(), Compress(), Spheroid(), BileDuct(), Lumen(), Migration(), Border())}
 
 
 def failure(folder):

@@ -35,7 +35,8 @@ class Map:
         self.motion = self.against_time()
 
     def against_time(self):
-        """Heads of every value of the motion's knobs, all against the finest explicit steps."""
+        """Heads of every value of the motion's knobs, all against the finest explicit steps; what
+        has not all quantities that the default has is left out, as a shorter run is no cheaper."""
         fine = next((k for k in self.knobs if k.kind == "time" and k.reference), None)
         found = {}
         for knob in self.knobs:
@@ -45,7 +46,9 @@ class Map:
                               fine.check, fine.ratio, knob.order)
             for head in heads(measure(same, self.look)):
                 found.setdefault(head.row.label, head)
-        return [h for h in found.values() if h.row.relative == h.row.relative]
+        heads_ = [h for h in found.values() if h.known]
+        like = next((h.known for h in heads_ if h.row.default), None)
+        return [h for h in heads_ if like is None or h.known == like]
 
     def front(self):
         """Heads of the motion on the front, cheap to dear."""
