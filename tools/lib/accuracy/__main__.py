@@ -38,6 +38,7 @@ def parse(words):
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--page", action="store_true")
+    parser.add_argument("--verify", action="store_true")
     args = parser.parse_args(words)
     unknown = [s for s in args.scenes if s not in SCENES]
     if unknown:
@@ -67,15 +68,32 @@ def machine(full):
             f"{os.getloadavg()[0]:.1f}, size *{size}*\n")
 
 
+def verify(runner, args, folder):
+    """Keyword accuracy on scenes that it was not made with."""
+    from . import verify as unseen    # its scenes are known from here on
+
+    if not args.report:
+        runner.run_all(unseen.points())
+    rows = unseen.judge(runner.result)
+    for place in [folder, *([PAGE] if args.page else [])]:
+        unseen.write(rows, place / "verify.csv")
+        (place / "verify.txt").write_text("\n\n".join(unseen.verdict(rows)) + "\n")
+    print(unseen.table(rows))
+    print("\n".join(unseen.verdict(rows)))
+
+
 def main(words=None, lmp=None):
     """Run what is missing and report; returns the exit status."""
     try:
         args = parse(sys.argv[1:] if words is None else words)
         folder = (args.folder or ROOT / "runs" / "accuracy").resolve()
-        if args.page and set(args.scenes) != set(SCENES):
+        if args.page and not args.verify and set(args.scenes) != set(SCENES):
             raise ValueError("--page is made of all scenes: name none")
         lmp = lmp or os.environ.get("DCM_LMP", "lmp").split()
         runner = Runner(folder, lmp, args.jobs)
+        if args.verify:
+            verify(runner, args, folder)
+            return 0
         if not args.report:
             made = runner.run_all([p for s in args.scenes for k in knobs_of(s, args.full)
                                    for p in k.points()])
