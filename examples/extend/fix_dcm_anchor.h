@@ -10,7 +10,7 @@
 
 #ifdef FIX_CLASS
 // clang-format off
-FixStyle(dcm/anchor,FixDCMAnchor);
+FixStyle(dcm/anchor,DCMTimedFix<FixDCMAnchor>);
 // clang-format on
 #else
 
@@ -20,6 +20,7 @@ FixStyle(dcm/anchor,FixDCMAnchor);
 #include "dcm_cell_table.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
+#include "dcm_timed.h"
 #include "fix.h"
 
 namespace LAMMPS_NS {

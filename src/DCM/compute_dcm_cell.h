@@ -10,7 +10,7 @@
 
 #ifdef COMPUTE_CLASS
 // clang-format off
-ComputeStyle(dcm/cell,ComputeDCMCell);
+ComputeStyle(dcm/cell,DCMTimedCompute<ComputeDCMCell>);
 // clang-format on
 #else
 
@@ -20,6 +20,7 @@ ComputeStyle(dcm/cell,ComputeDCMCell);
 #include "compute.h"
 #include "dcm_cell_table.h"
 #include "dcm_request.h"
+#include "dcm_timed.h"
 
 #include <memory>
 #include <string>

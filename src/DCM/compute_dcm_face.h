@@ -10,7 +10,7 @@
 
 #ifdef COMPUTE_CLASS
 // clang-format off
-ComputeStyle(dcm/face,ComputeDCMFace);
+ComputeStyle(dcm/face,DCMTimedCompute<ComputeDCMFace>);
 // clang-format on
 #else
 
@@ -19,6 +19,7 @@ ComputeStyle(dcm/face,ComputeDCMFace);
 
 #include "compute.h"
 #include "dcm_request.h"
+#include "dcm_timed.h"
 
 #include <vector>
 

@@ -10,7 +10,7 @@
 
 #ifdef COMPUTE_CLASS
 // clang-format off
-ComputeStyle(dcm/lumen,ComputeDCMLumen);
+ComputeStyle(dcm/lumen,DCMTimedCompute<ComputeDCMLumen>);
 // clang-format on
 #else
 
@@ -19,6 +19,7 @@ ComputeStyle(dcm/lumen,ComputeDCMLumen);
 
 #include "compute.h"
 #include "dcm_face_graph.h"
+#include "dcm_timed.h"
 #include "law/lumen.h"
 
 #include <vector>

@@ -64,6 +64,13 @@ class DCMFaceGraph : protected Pointers {
   // state: per atom, owned and ghost; links: are sets wanted? else each face is one
   void build(const std::vector<int> &state, bool links = true);
 
+  // no faces; where there are none this is instead of collect() and build()
+  void clear()
+  {
+    all.clear();
+    number = 0;
+  }
+
   const std::vector<Face> &faces() const { return all; }    // sorted by tag
   int nsets() const { return number; }
   const Face *find(tagint tag) const;

@@ -12,6 +12,7 @@
 #include "dcm_role.h"
 #include "bond.h"
 #include "comm.h"
+#include "compute.h"
 #include "dihedral.h"
 #include "fix.h"
 #include "fmt/format.h"
@@ -35,7 +36,8 @@ struct Row {
   DCMRole *role;    // nullptr: none
 };
 
-// the styles of the deck that have a watch, fixes last; all processes have the same
+// the styles of the deck that have a watch, fixes last: one of them prints the table; all
+// processes have the same
 
 std::vector<Row> rows_of(LAMMPS *lmp)
 {
@@ -51,6 +53,9 @@ std::vector<Row> rows_of(LAMMPS *lmp)
     if (dynamic_cast<Pair *>(role)) name = std::string("pair_style ") + force->pair_style;
     rows.push_back({name, watch, role});
   }
+  for (auto *const compute : lmp->modify->get_compute_list())
+    if (auto *const watch = dynamic_cast<DCMWatch *>(compute))
+      rows.push_back({fmt::format("compute {} {}", compute->id, compute->style), watch, nullptr});
   for (auto *const fix : lmp->modify->get_fix_list())
     if (auto *const watch = dynamic_cast<DCMWatch *>(fix))
       rows.push_back(
@@ -59,6 +64,13 @@ std::vector<Row> rows_of(LAMMPS *lmp)
 }
 
 }    // namespace
+
+/* ---------------------------------------------------------------------- */
+
+bool DCMWatch::in_run(LAMMPS *lmp)
+{
+  return lmp->update->setupflag == 0;
+}
 
 /* ---------------------------------------------------------------------- */
 

@@ -13,32 +13,45 @@
 
 #include "platform.h"
 
+#include <optional>
 #include <string>
 
 namespace LAMMPS_NS {
 
 // What each style of the deck took: the styles of this package are known to LAMMPS as
-// DCMTimedFix<Style> and DCMTimedForce<Style>, which are the style with a watch at the calls that
-// LAMMPS makes in each step. The styles themselves know nothing of it. After a run the last fix
-// prints the table.
+// DCMTimedFix<Style>, DCMTimedForce<Style> and DCMTimedCompute<Style>, which are the style with a
+// watch at the calls that LAMMPS makes in each step. The styles themselves know nothing of it.
+// After a run the last fix prints the table.
 
 class DCMWatch {
  public:
-  double seconds = 0.0;    // of this process, in the run
+  double seconds = 0.0;    // of this process, in the run, without what other watches took in it
 
-  // counts from where it is made to the end of the block
+  // counts from where it is made to the end of the block. A style that reads a compute has a span
+  // inside its own: each second belongs to one watch, the innermost
 
   class Span {
    public:
-    explicit Span(DCMWatch &w) : watch(w), start(platform::walltime()) {}
-    ~Span() { watch.seconds += platform::walltime() - start; }
+    explicit Span(DCMWatch &w) : watch(w), start(platform::walltime()), before(counted) {}
+    ~Span()
+    {
+      const double all = platform::walltime() - start;
+      watch.seconds += all - (counted - before);
+      counted = before + all;
+    }
     Span(const Span &) = delete;
     Span &operator=(const Span &) = delete;
 
    private:
     DCMWatch &watch;
-    double start;
+    const double start, before;
+
+    inline static double counted = 0.0;    // by all watches together, ever
   };
+
+  // computes are asked in set-up as well, after the watches were put back to zero
+
+  static bool in_run(class LAMMPS *);
 
   // all back to zero; make a table of all, with what each style did. Collective; only the last
   // style of the deck is listened to, when all others are done
@@ -72,6 +85,11 @@ template <class Style> class DCMTimedFix : public Style, public DCMWatch {
     const Span span(*this);
     Style::initial_integrate(vflag);
   }
+  void post_integrate() override
+  {
+    const Span span(*this);
+    Style::post_integrate();
+  }
   void pre_exchange() override
   {
     const Span span(*this);
@@ -97,10 +115,20 @@ template <class Style> class DCMTimedFix : public Style, public DCMWatch {
     const Span span(*this);
     Style::pre_reverse(eflag, vflag);
   }
+  void post_force(int vflag) override
+  {
+    const Span span(*this);
+    Style::post_force(vflag);
+  }
   void final_integrate() override
   {
     const Span span(*this);
     Style::final_integrate();
+  }
+  void end_of_step() override
+  {
+    const Span span(*this);
+    Style::end_of_step();
   }
   void setup(int vflag) override
   {
@@ -125,6 +153,45 @@ template <class Style> class DCMTimedForce : public Style, public DCMWatch {
     const Span span(*this);
     Style::compute(eflag, vflag);
   }
+};
+
+template <class Style> class DCMTimedCompute : public Style, public DCMWatch {
+ public:
+  using Style::Style;
+
+  double compute_scalar() override
+  {
+    const RunSpan span(*this);
+    return Style::compute_scalar();
+  }
+  void compute_vector() override
+  {
+    const RunSpan span(*this);
+    Style::compute_vector();
+  }
+  void compute_array() override
+  {
+    const RunSpan span(*this);
+    Style::compute_array();
+  }
+  void compute_peratom() override
+  {
+    const RunSpan span(*this);
+    Style::compute_peratom();
+  }
+  void compute_local() override
+  {
+    const RunSpan span(*this);
+    Style::compute_local();
+  }
+
+ private:
+  struct RunSpan : std::optional<Span> {
+    explicit RunSpan(DCMTimedCompute &me)
+    {
+      if (in_run(me.lmp)) this->emplace(me);
+    }
+  };
 };
 
 }    // namespace LAMMPS_NS

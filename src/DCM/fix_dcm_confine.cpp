@@ -308,9 +308,30 @@ void FixDCMConfine::add_force(const double *x, int mask, double *f)
 
 /* ---------------------------------------------------------------------- */
 
+/* ----------------------------------------------------------------------
+   cells of the groups on this process, while there is a force on them
+------------------------------------------------------------------------- */
+
+bool FixDCMConfine::any_held() const
+{
+  const int bits = (force > 0.0 ? groupbit : 0) | (plane >= 0 ? plane_bit : 0);
+  if (bits == 0) return false;
+  const auto &table = cell->cells();
+  const auto &rows = table.deformable();
+  const auto held = [bits](int mask) {
+    return (mask & bits) != 0;
+  };
+  return std::any_of(rows.begin(), rows.end(),
+                     [&](int c) {
+                       return held(table[c].mask);
+                     }) ||
+         std::any_of(atom->mask, atom->mask + atom->nlocal, held);
+}
+
 void FixDCMConfine::pre_reverse(int /*eflag*/, int /*vflag*/)
 {
   energy = farthest = 0.0;
+  if (!any_held()) return;
 
   // the energy of a cell counts where its center is
 

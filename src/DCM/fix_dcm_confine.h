@@ -78,6 +78,7 @@ class FixDCMConfine : public Fix, public DCMRole {
 
   std::vector<double> cell_force;    // per deformable cell 3
 
+  bool any_held() const;
   void add_force(const double *, int, double *);
   void estimate_reference();
   double mean_pressure() const;

@@ -143,6 +143,8 @@ void FixDCMMotility::read_types()
                         : parameters.get(i, "D", NONNEGATIVE, MISSING);
     type.friction = holding[i] ? parameters.get(i, "friction_ecm", POSITIVE)
                                : parameters.get(i, "friction_ecm", POSITIVE, MISSING);
+    // cells that neither diffuse nor are driven are left alone
+    if (type.D == 0.0 && dcm::vec(bias).isZero(0.0)) type.used = false;
   }
 }
 
@@ -242,6 +244,14 @@ void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
 {
   const int nlocal = atom->nlocal;
   const auto &table = cell->cells();
+  const auto &rows = table.all_deformable();
+  const bool cells = std::any_of(rows.begin(), rows.end(), [&](int c) {
+    return types[table[c].type].used && (table[c].mask & groupbit);
+  });
+  const auto in_group = [this](int mask) {
+    return (mask & groupbit) != 0;
+  };
+  if (!cells && std::none_of(atom->mask, atom->mask + nlocal, in_group)) return;
 
   // random part in units of its standard deviation: each rank draws those of all cells itself, but
   // with persistence only the owner of the center has it

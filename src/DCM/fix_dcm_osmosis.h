@@ -137,11 +137,14 @@ class FixDCMOsmosis : public Fix, public DCMRole {
 
   void look();
   void note_joined();
+  int find_sources();
   void find_states();
   double near_slab(double) const;
   bool in_slab(const double *) const;
   bool near_starter(const double *) const;
+  bool starting_at(int row) const;
   bool started_across(int f) const;
+  double covered_part(int f) const;
   void set_marks();
   void count_solute(double);
   void warn_if_open(double);

@@ -51,16 +51,22 @@ static constexpr double TOUCH = 0.25;
 
 /* ----------------------------------------------------------------------
    from the contacts of the last force evaluation, before atoms move: a run that restarts here finds
-   the same
+   the same. Where nothing secretes and nothing is marked there is no lumen to look for
 ------------------------------------------------------------------------- */
 
 void FixDCMOsmosis::look()
 {
-  graph.collect(range);
   note_joined();
-  find_states();
-  comm->forward_comm(this, 1);
-  graph.build(state, !tracers);
+  int sources = find_sources();
+  MPI_Allreduce(MPI_IN_PLACE, &sources, 1, MPI_INT, MPI_MAX, world);
+  if (sources) {
+    graph.collect(range);
+    find_states();
+    comm->forward_comm(this, 1);
+    graph.build(state, !tracers);
+  } else {
+    graph.clear();
+  }
   set_marks();
   measured = false;
   now.due = 0;
@@ -120,8 +126,13 @@ bool FixDCMOsmosis::near_starter(const double *x) const
 }
 
 /* ----------------------------------------------------------------------
-   the starter between apical faces: one of two secreting cells has joined a while ago
+   the starter between apical faces: one of two secreting cells has joined not long ago
 ------------------------------------------------------------------------- */
+
+bool FixDCMOsmosis::starting_at(int row) const
+{
+  return starter == APICAL && now.clock - (*joined)(row) < starting;
+}
 
 bool FixDCMOsmosis::started_across(int f) const
 {
@@ -130,15 +141,25 @@ bool FixDCMOsmosis::started_across(int f) const
   if (!secreting(row) || dcm->region[i] != AtomVecDCM::APICAL) return false;
   const int j = graph.opposite(i);
   if (j < 0 || dcm->region[j] != AtomVecDCM::APICAL || !secreting(cell->cell_of(j))) return false;
-  const double latest = std::max((*joined)(row), (*joined)(cell->cell_of(j)));
-  return now.clock - latest < starting;
+  return starting_at(row) || starting_at(cell->cell_of(j));
 }
 
-/* ---------------------------------------------------------------------- */
+// of an owned face
 
-void FixDCMOsmosis::find_states()
+double FixDCMOsmosis::covered_part(int f) const
 {
-  const double *const area = contact->contact_area();
+  const double all = cell->area(f);
+  return all > 0.0 ? contact->contact_area()[cell->faces()[f].atom] / all : 1.0;
+}
+
+/* ----------------------------------------------------------------------
+   faces that marks may come from, of this process: in `state`. 1: marks may come of it, 0: none
+can, for no face is marked and all sources are in contact, where no starter opens it
+------------------------------------------------------------------------- */
+
+int FixDCMOsmosis::find_sources()
+{
+  int any = 0;
   state.assign(atom->nlocal + atom->nghost, 0);
   std::vector<int> touched;
   if (tracers) {
@@ -148,20 +169,32 @@ void FixDCMOsmosis::find_states()
   for (int f = 0; f < cell->nowned(); f++) {
     const auto &face = cell->faces()[f];
     const int i = face.atom;
-    const double part = cell->area(f) > 0.0 ? area[i] / cell->area(f) : 1.0;
     const double *const x = atom->x[i];
-    const bool inside = acts_on(face.cell) && in_slab(x);
-    const bool at_point = inside && near_starter(x);
-    whole[i] = inside && (at_point || started_across(f));
-    if (inside && (whole[i] || dcm::may_be_marked(part, theta, mark[i] != 0))) {
-      state[i] = DCMFaceGraph::NODE;
-      const bool source = tracers ? touched[i] != 0
-                                  : secreting(face.cell) && dcm->region[i] == AtomVecDCM::APICAL;
-      if (source || at_point) state[i] |= DCMFaceGraph::SOURCE;
-      if (mark[i]) state[i] |= DCMFaceGraph::BEFORE;
-    } else if (part >= theta) {
-      state[i] = DCMFaceGraph::SHUT;
-    }
+    whole[i] = acts_on(face.cell) && in_slab(x) && near_starter(x);
+    const bool source = tracers ? touched[i] != 0
+                                : secreting(face.cell) && dcm->region[i] == AtomVecDCM::APICAL;
+    if (source || whole[i]) state[i] |= DCMFaceGraph::SOURCE;
+    if (mark[i]) state[i] |= DCMFaceGraph::BEFORE;
+    any = any || mark[i] || whole[i] ||
+          (source && (tracers || starting_at(face.cell) || covered_part(f) < theta));
+  }
+  return any;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDCMOsmosis::find_states()
+{
+  for (int f = 0; f < cell->nowned(); f++) {
+    const auto &face = cell->faces()[f];
+    const int i = face.atom;
+    const double part = covered_part(f);
+    const bool inside = acts_on(face.cell) && in_slab(atom->x[i]);
+    whole[i] = inside && (whole[i] || started_across(f));
+    if (inside && (whole[i] || dcm::may_be_marked(part, theta, mark[i] != 0)))
+      state[i] |= DCMFaceGraph::NODE;
+    else
+      state[i] = part >= theta ? DCMFaceGraph::SHUT : 0;
   }
 }
 

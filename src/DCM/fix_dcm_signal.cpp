@@ -150,8 +150,9 @@ void FixDCMSignal::initial_integrate(int /*vflag*/)
 {
   if (since >= 0.0) since += update->dt;
   if ((update->ntimestep - 1) % nevery == 0) {
-    measure_contacts();
-    count_time();
+    const bool heard = anyone_signals();
+    measure_contacts(heard);
+    count_time(heard);
   }
   const auto &table = cell->cells();
   for (const int row : table.all_deformable())
@@ -167,12 +168,23 @@ bool FixDCMSignal::listens(const DCMCellTable::Cell &it) const
          it.phase != DCMCellTable::DYING;
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   the same on all processes; where nobody does, no contact is asked for
+------------------------------------------------------------------------- */
 
-void FixDCMSignal::measure_contacts()
+bool FixDCMSignal::anyone_signals() const
+{
+  const auto &all = cell->cells().all();
+  return std::any_of(all.begin(), all.end(), [this](const DCMCellTable::Cell &it) {
+    return (it.mask & from) != 0;
+  });
+}
+
+void FixDCMSignal::measure_contacts(bool heard)
 {
   const auto &table = cell->cells();
   contact_area.assign(table.size(), 0.0);
+  if (!heard) return;
   for (const auto &pair : contact->partners()) {
     const int a = table.find(pair.molecule), b = table.find(pair.other);
     if (a < 0 || b < 0) continue;
@@ -181,18 +193,18 @@ void FixDCMSignal::measure_contacts()
   }
 }
 
-void FixDCMSignal::count_time()
+void FixDCMSignal::count_time(bool heard)
 {
   const auto &table = cell->cells();
   const double passed = since < 0.0 ? nevery * update->dt : since;
   since = 0.0;
   int field = 0;
   const auto marked = table.column("marked_area", field);    // not kept: it is another's
-  cell->update_all();
+  if (heard) cell->update_all();
   for (const int row : table.all_deformable()) {
     const auto &it = table[row];
     if (!listens(it) || (*fate)(row) > 0.0) continue;
-    if (contact_area[row] > least_area * it.area &&
+    if (heard && contact_area[row] > least_area * it.area &&
         (!lumen || (marked && (*marked)(row, field) > 0.0))) {
       (*signal)(row) += passed;
       if ((*signal)(row) >= DONE * signal_time) (*fate)(row) = 1.0;

@@ -66,8 +66,9 @@ class FixDCMSignal : public Fix, public DCMRole {
   std::vector<double> contact_area;    // per row: with the group that signals
 
   bool listens(const DCMCellTable::Cell &) const;
-  void measure_contacts();
-  void count_time();
+  bool anyone_signals() const;
+  void measure_contacts(bool heard);
+  void count_time(bool heard);
 };
 
 }    // namespace LAMMPS_NS

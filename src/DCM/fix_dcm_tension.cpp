@@ -22,6 +22,7 @@
 #include "update.h"
 #include "variable.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -172,12 +173,19 @@ void FixDCMTension::find_cells()
 {
   const auto &table = cell->cells();
   of_row.assign(table.size(), nullptr);
+  anyone = false;
   for (const int c : table.all_deformable()) {    // all find the same error
     const auto &it = table[c];
     if (!parameters.used(it.type) || !(it.mask & groupbit)) continue;
     for (int r = 0; r < NREGION; r++)
       if (of_type[it.type][r] == NOT_GIVEN) tension_of(it.type, r);    // ends in an error
-    of_row[c] = &of_type[it.type];
+    const auto &T = of_type[it.type];
+    if (std::all_of(T.begin(), T.end(), [](double t) {
+          return t == 0.0;
+        }))
+      continue;
+    of_row[c] = &T;
+    anyone = true;
   }
 }
 
@@ -216,6 +224,7 @@ void FixDCMTension::pre_reverse(int eflag, int vflag)
   find_cells();
   energy.fill(0.0);
   summed = false;
+  if (!anyone) return;
   double **x = atom->x, **f = atom->f;
 
   for (int n = 0; n < cell->nowned(); n++) {
@@ -248,6 +257,7 @@ void FixDCMTension::pre_reverse(int eflag, int vflag)
 
 void FixDCMTension::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unknowns)
 {
+  if (!anyone) return;
   double **x = atom->x;
   for (int n = 0; n < cell->nowned(); n++) {
     const FixDCMCell::Face &face = cell->faces()[n];

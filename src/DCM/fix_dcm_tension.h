@@ -63,6 +63,7 @@ class FixDCMTension : public Fix, public DCMRole {
   bool started;                              // has been set up once
   std::vector<Tensions> of_type;             // per atom type
   std::vector<const Tensions *> of_row;      // per cell, nullptr: not acted on
+  bool anyone = true;                        // has any cell of the tissue a tension?
   std::array<double, NREGION> energy;        // of this process, by region
   std::array<double, NREGION> all_energy;    // of all, once somebody has asked
   bool summed;

@@ -214,9 +214,11 @@ void FixDCMTracer::post_neighbor()
   mine.clear();
   for (int i = 0; i < atom->nlocal; i++)
     if (dcm->kind[i] == AtomVecDCM::TRACER) mine.push_back(i);
-  largest = 0.0;
-  for (const auto &face : cell->faces()) largest = std::max(largest, atom->radius[face.atom]);
-  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, world);
+  double most[2] = {0.0, (double) mine.size()};
+  for (const auto &face : cell->faces()) most[0] = std::max(most[0], atom->radius[face.atom]);
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, world);
+  largest = most[0];
+  anywhere = most[1] > 0.0;
   choose_lengths();
   set_limits();
   stale = true;
@@ -231,13 +233,15 @@ void FixDCMTracer::min_pre_force(int /*vflag*/)
 
 void FixDCMTracer::initial_integrate(int /*vflag*/)
 {
-  const double moved = moved_since_settled();
-  refresh_faces();
-  settle_all(moved);
   int rebuild = any_needy();
-  walk_all();
-  look_far();
-  ask_for_rebuild(rebuild);
+  if (anywhere) {
+    const double moved = moved_since_settled();
+    refresh_faces();
+    settle_all(moved);
+    walk_all();
+    look_far();
+    ask_for_rebuild(rebuild);
+  }
   if (rebuild) next_reneighbor = update->ntimestep;
 }
 
@@ -383,6 +387,8 @@ void FixDCMTracer::touch_faces(double range, std::vector<int> &result)
     asked = range;
     set_limits();
   }
+  result.assign(atom->nlocal, 0);
+  if (!anywhere) return;
   std::vector<int> all(atom->nlocal + atom->nghost, 0);
   dcm::Voxels wide;
   const bool far_reaching = range > walk.near;

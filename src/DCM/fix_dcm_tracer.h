@@ -112,6 +112,7 @@ class FixDCMTracer : public Fix, public DCMRole {
   dcm::Voxels voxels;
   Walk walk;
   std::vector<int> mine;              // tracers, by local index
+  bool anywhere = false;              // are there any, on all processes
   std::vector<int> shut, *touched;    // per atom
   std::vector<double> last_place;     // of the corners of faces, when tracers were settled
   bool stale = true;                  // faces have been numbered anew

@@ -128,6 +128,7 @@ void FixDCMVolume::pre_reverse(int /*eflag*/, int vflag)
 {
   v_init(vflag);
   cell_pressures();
+  if (!anyone) return;
   if (voronoi)
     voronoi_forces();
   else
@@ -147,6 +148,10 @@ void FixDCMVolume::cell_pressures()
       if (acts_on(table[c]) && K_V[table[c].type] == 0.0)
         parameters.get(table[c].type, "K_V", DCMParameters::POSITIVE);
   }
+  const auto &rows = table.all_deformable();
+  anyone = std::any_of(rows.begin(), rows.end(), [&](int c) {
+    return acts_on(table[c]);
+  });
   if (pressure.size() < (size_t) table.size()) pressure.resize(table.size());
   for (const int c : table.deformable()) {
     const auto &it = table[c];
@@ -295,6 +300,7 @@ void FixDCMVolume::unpack_reverse_comm(int n, int *list, double *buf)
 
 void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unknowns)
 {
+  if (!anyone) return;
   double **x = atom->x;
   width = 3;
   node.assign((size_t) width * (atom->nlocal + atom->nghost), 0.0);

@@ -64,6 +64,7 @@ class FixDCMVolume : public Fix, public DCMRole {
   double energy = 0.0, total = 0.0, count = 0.0;    // of cells whose center is here; pressures
   double extremes[2] = {0.0, 0.0}, all[3] = {0.0, 0.0, 0.0};
   bool summed = true;
+  bool anyone = true;          // does it act on any cell of the tissue?
   bigint checked = -1;         // changes of cells when their parameters were looked at
   std::vector<double> node;    // sums per atom. voronoi: area, curvature vector, normal
   int width = 0;               // numbers per atom

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,8 @@ def test_a_sphere_is_slowed_down(lmp, scenes, np_):
         assert frame.v[0] == pytest.approx((F + DRAG * U) / (free + DRAG), rel=1e-12)
         assert frame.v[1] == pytest.approx(F / free, rel=1e-12)
     assert "Fix dcm/anchor: added 'fix cell all dcm/cell'" in result.log
+    # timed as the styles of the package are
+    assert re.search(r"^  fix anchor dcm/anchor +[\d.e-]+ ", result.log, re.M)
 
 
 @pytest.mark.parametrize("np_", [1, 2])

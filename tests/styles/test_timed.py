@@ -47,3 +47,39 @@ def test_minimization(lmp, scenes):
     deck = whole(scene) + "min_style fire\nminimize 0.0 1e-12 10 10\n"
     (table,) = tables(lmp(deck))
     assert table["fix cell dcm/cell"][0] > 0.0
+
+
+def test_computes_are_in_it_and_each_second_once(lmp, scenes):
+    """Computes that output and fixes read have rows; shares sum to 100 percent all the same."""
+    scene = scenes.doublet()
+    deck = whole(scene) + (
+        "compute cells all dcm/cell volume contact_area\n"
+        "compute faces all dcm/face area stress\n"
+        "compute idle all dcm/face area\n"
+        "compute sums all reduce sum c_cells[1] c_faces[1]\n"
+        "fix read all ave/time 1 1 1 c_sums[*]\n"
+        "run 0\nrun 20\n"
+    )
+    (table,) = tables(lmp(deck))
+    assert table["compute cells dcm/cell"][0] > 0.0
+    assert table["compute faces dcm/face"][0] > 0.0
+    assert table["compute idle dcm/face"][0] == 0.0  # nobody reads it, in the run
+    assert sum(share for _, _, share, _ in table.values()) == pytest.approx(100.0, abs=0.5)
+
+
+def test_a_style_is_not_charged_for_a_compute_it_reads(lmp, scenes):
+    """fix dcm/death reads computes in each step, which is most of the run: were their seconds its
+    own as well, shares would sum to more than 100 percent."""
+    scene = scenes.single_cell()
+    names = [f"c{k}" for k in range(100)]
+    deck = whole(scene) + (
+        "".join(f"compute {name} all dcm/cell volume area pressure\n" for name in names)
+        + "variable none atom " + "+".join(f"c_{name}[1]" for name in names) + "<0\n"
+        "fix squeezed all dcm/death variable v_none\n"
+        "run 50\n"
+    )
+    (table,) = tables(lmp(deck))
+    assert all(table[f"compute {name} dcm/cell"][0] > 0.0 for name in names)
+    assert table["fix squeezed dcm/death"][0] > 0.0
+    round_off = 0.05 * len(table)
+    assert sum(share for _, _, share, _ in table.values()) == pytest.approx(100.0, abs=round_off)

@@ -1,12 +1,16 @@
 /* Count the messages that a rank sends and the bytes in them, by kind, through MPI's profiling
-   interface: tools/bench scale loads this before LAMMPS. At the end each rank writes a line
+   interface: tools/bench scale and effects load this before LAMMPS. At the end each rank writes a
+   line
 
      messages bytes    point-to-point, allreduce, allgather, alltoall, others
      memory at the start and at the end, bytes
+     bytes in use of what was allocated, at the last global sum; 0 where the C library cannot tell
 
    to the file $DCM_COUNTS.RANK. Bytes of point-to-point messages are those sent; of collective
-   calls those that end up on the rank, which is what grows with the number of ranks. */
+   calls those that end up on the rank, which is what grows with the number of ranks. The last
+   global sum is one of LAMMPS' summary of a run, when all styles are still there. */
 
+#include <malloc.h>
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +18,7 @@
 enum { POINT, ALLREDUCE, ALLGATHER, ALLTOALL, OTHER, NKIND };
 
 static long long messages[NKIND], bytes[NKIND];
-static long long memory_at_start;
+static long long memory_at_start, allocated;
 
 static void count(int kind, MPI_Datatype type, long long n)
 {
@@ -47,6 +51,16 @@ static long long resident(void)
   return 4096 * pages;
 }
 
+static long long in_use(void)
+{
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
+  const struct mallinfo2 m = mallinfo2();
+  return (long long) (m.uordblks + m.hblkhd);
+#else
+  return 0;
+#endif
+}
+
 #define SEND(NAME)                                                                              \
   int MPI_##NAME(const void *b, int n, MPI_Datatype t, int to, int tag, MPI_Comm c)              \
   {                                                                                              \
@@ -76,6 +90,7 @@ int MPI_Sendrecv(const void *b, int n, MPI_Datatype t, int to, int tag, void *rb
 int MPI_Allreduce(const void *b, void *r, int n, MPI_Datatype t, MPI_Op op, MPI_Comm c)
 {
   count(ALLREDUCE, t, n);
+  allocated = in_use();
   return PMPI_Allreduce(b, r, n, t, op, c);
 }
 
@@ -153,7 +168,7 @@ int MPI_Finalize(void)
   FILE *f = fopen(name, "w");
   if (f) {
     for (int k = 0; k < NKIND; k++) fprintf(f, "%lld %lld ", messages[k], bytes[k]);
-    fprintf(f, "%lld %lld\n", memory_at_start, resident());
+    fprintf(f, "%lld %lld %lld\n", memory_at_start, resident(), allocated);
     fclose(f);
   }
   return PMPI_Finalize();

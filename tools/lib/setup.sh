@@ -162,7 +162,7 @@ configure_build() {
   local log=$DCM_BUILD/configure.log preset=()
   mkdir -p "$DCM_BUILD"
   [ -z "$DCM_PRESET" ] || preset=(--preset "$DCM_PRESET")
-  (cd "$DCM_ROOT" && cmake "${preset[@]}" -B "$DCM_BUILD" -D DCM_NATIVE=ON \
+  (cd "$DCM_ROOT" && cmake "${preset[@]}" -B "$DCM_BUILD" -D DCM_NATIVE="${DCM_NATIVE:-ON}" \
     -D DCM_WERROR="${DCM_WERROR:-OFF}" "$@") >"$log" 2>&1 ||
     { tail -n 20 "$log" >&2; die "cmake failed; log: $log"; }
 }
