@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from lammps_dcm.__main__ import main
+from support.runner import ROOT
 from support.scenes import Scene
 
 COLUMNS = "id mol type kind radius x y z v1 v2 v3 region volume0"
@@ -92,6 +93,27 @@ def test_contact_areas_of_pairs_add_up(run):
     for cell, area in areas.items():
         total = sum(e["contact_area"] for _, _, e in graph.edges(cell, data=True))
         assert total == pytest.approx(area, rel=1e-6, abs=1e-9)
+
+
+def test_dump_of_the_manual(lmp, tmp_path):
+    """The deck lines of the page howto_paraview, in the deck of first steps."""
+    page = (ROOT / "doc" / "howto_paraview.rst").read_text()
+    lines = page.partition("Of all atoms::\n")[2].partition("\n*kind*")[0]
+    for name in ("face", "cell"):    # the deck has computes of these names
+        lines = lines.replace(f"compute       {name} ", f"compute       seen_{name} ")
+        lines = lines.replace(f"c_{name}[", f"c_seen_{name}[")
+    deck = (ROOT / "doc" / "first_steps" / "in.first_steps").read_text()
+    head, rest = deck.split("timestep ", 1)
+    result = lmp(f"{head}{lines}\ntimestep {rest}".replace("run             300", "run 100"),
+                 vars={"level": 1})
+    assert main(["export", str(result.path / "tissue.dump"), "-o", str(tmp_path / "v")]) == 0
+    import pyvista
+
+    times, files = series(tmp_path / "v", "cells")
+    data = pyvista.read(files[-1]).cell_data
+    assert times == [0.0, 100.0]
+    assert data["volume"] == pytest.approx(data["cell_volume"], rel=1e-6)
+    assert {"contact_area", "stress", "region", "cell_pressure", "velocity"} <= set(data.keys())
 
 
 def test_times_of_a_dump_without_any(scene, tmp_path, capsys):

@@ -1,5 +1,7 @@
 """From a labelled image to cells that LAMMPS runs."""
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -9,6 +11,8 @@ from lammps_dcm import labels
 from lammps_dcm.__main__ import main
 from lammps_dcm.mesh_check import enclosed_volume, find_faults
 from lammps_dcm.mesh_file import read_surface
+from lammps_dcm.topology import read_data
+from support.runner import ROOT
 
 VOXEL = np.array([0.3, 0.3, 0.45])    # um, along x, y, z
 
@@ -159,6 +163,42 @@ def test_specks_holes_and_borders(image, tmp_path):
     with pytest.warns(UserWarning, match="labels 3, 70 at the border"):
         assert len(labels.cells_of_image(image[:16], VOXEL, nodes=162)) == 2
     assert len(labels.cells_of_image(image, VOXEL, nodes=42, without=[70])) == 1
+
+
+def test_voxels_that_touch_by_an_edge():
+    """A bridge of two voxels that touch by an edge only closes a handle, which is no feature of the
+    cell; blurring removes it, and the volume stays that of the voxels."""
+    image = np.zeros((24, 24, 24), dtype=int)
+    image[4:20, 4:20, 4:20] = 1
+    image[4:20, 10:14, 12:] = 0    # a notch; across its mouth:
+    image[11, 10:12, 18] = image[12, 11, 18] = image[12, 12:14, 19] = 1
+    cell, = labels.cells_of_image(image, (0.5, 0.5, 0.5), nodes=642)
+    assert any("blurred by" in note for note in cell.notes)
+    assert not find_faults(cell.nodes, cell.faces)
+    assert cell.volume == pytest.approx(image.sum() * 0.125, rel=1e-12)
+    plain = image.copy()
+    plain[:, 10:14, 12:] = 0
+    cell, = labels.cells_of_image(plain, (0.5, 0.5, 0.5), nodes=642)
+    assert not cell.notes
+
+
+def test_the_tissue_of_the_manual(lmp, tmp_path):
+    """doc/labels: cells that fill a ball, run as the page on tools says, on two ranks."""
+    folder = ROOT / "doc" / "labels"
+    cwd = tmp_path / "run"
+    cwd.mkdir()
+    subprocess.run([sys.executable, folder / "tissue.py"], cwd=cwd, check=True)
+    image = np.load(cwd / "tissue.npy")
+    cells = labels.cells_of_image(image, (0.5,) * 3, nodes=162)
+    labels.write_cells(cells, cwd / "cells")
+    text = (cwd / "cells" / "in.cells").read_text()
+    (cwd / "cells" / "in.cells").write_text(text.replace(str(cwd / "cells"), "cells"))
+    result = lmp(folder / "in.tissue", cwd=cwd, np=2, vars={"steps": 20})
+    assert f"Created 1 deformable cells of {len(cells[0].nodes)} nodes" in result.log
+    data = read_data(cwd / "tissue.data")
+    centers = data.atoms["kind"] == 2
+    expected = [(image == c.label).sum() * 0.125 for c in cells]
+    assert data.atoms["volume0"][centers] == pytest.approx(expected, rel=1e-9)
 
 
 def test_labels_that_cannot_be_cells_are_all_named(image):

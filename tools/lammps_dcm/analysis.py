@@ -241,20 +241,22 @@ class CellContacts(MeshAnalysis):
     results.neighbors: per frame an array (pairs, 2) of molecule IDs, CBM cells included, smaller
     first, whose surfaces come within `cutoff` (um; by default the mean edge length), a face
     counting as its centroid: a geometric criterion, not a force.
-    results.shared: per frame an array (pairs, 2) of molecule IDs that share contact area, and
-    results.shared_area: per frame (pairs,), um^2. The dump does not tell the partner of a face: all
-    its contact area counts for the nearest surface of another cell, within two mean edges, and that
-    of two cells is the mean of both sides, of a cell and a sphere that of the faces. Empty without
-    the column.
+    With shares, results.shared: per frame an array (pairs, 2) of molecule IDs that share contact
+    area, and results.shared_area: per frame (pairs,), um^2. The dump does not tell the partner of a
+    face: all its contact area counts for the nearest surface of another cell, within two mean
+    edges, and that of two cells is the mean of both sides, of a cell and a sphere that of the
+    faces. Both are empty without the column.
     """
 
-    def __init__(self, universe, column="contact_area", cutoff=None, **kwargs):
+    def __init__(self, universe, column="contact_area", cutoff=None, shares=False, **kwargs):
         super().__init__(universe, **kwargs)
-        self.column, self.cutoff = column, cutoff
+        self.column, self.cutoff, self.shares = column, cutoff, shares
 
     def _prepare(self):
         super()._prepare()
-        self.results.neighbors, self.results.shared, self.results.shared_area = [], [], []
+        self.results.neighbors = []
+        if self.shares:
+            self.results.shared, self.results.shared_area = [], []
 
     def _single_frame(self):
         mesh = self.mesh()
@@ -268,6 +270,8 @@ class CellContacts(MeshAnalysis):
         self._put(contact_area=contact, fraction=contact / total)
         surfaces = _Surfaces(mesh, self._ts.dimensions)
         self.results.neighbors.append(surfaces.near(self.cutoff))
+        if not self.shares:
+            return
         if self.column in data:
             pairs, area = surfaces.shared(share)
             lost = share.sum() - area.sum()

@@ -230,7 +230,7 @@ def neighbor_graph(universe, frame=None, column="contact_area", cutoff=None):
     if frame is not None:
         universe.trajectory[frame]
     frame = universe.trajectory.frame
-    contacts = CellContacts(universe, column=column, cutoff=cutoff).run(frames=[frame])
+    contacts = CellContacts(universe, column, cutoff, shares=True).run(frames=[frame])
     universe.trajectory[frame]    # run() ends at frame 0
     atoms = contacts.book.frame()
     mesh = Mesh(atoms)

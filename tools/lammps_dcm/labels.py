@@ -17,6 +17,8 @@ from .mesh_file import write_surface
 from .remesh import at_volume, remeshed, smoothed
 from .text import write_text
 
+BLURS = (0.0, 0.7, 1.0, 1.5)    # [ours] voxels; the least that gives a surface without handles
+MARGIN = 3    # voxels around a mask, of which a blur of 1.5 changes no more
 SPECKS = 0.05    # [ours] a label may have loose parts up to this fraction; the rest is one cell
 
 
@@ -78,7 +80,8 @@ def one_cell(mask, label, corner, voxel, nodes=642, smoothing=50):
     voxel: (3,), um, along x, y, z. The largest part of the mask is taken, holes inside it are
     filled. Marching cubes give a surface halfway between inside and outside, Taubin's filter takes
     the steps of the voxels out of it, and it is remeshed to about `nodes` nodes. The volume is
-    that of the voxels. LabelError if this is no sphere-like surface.
+    that of the voxels. Voxels that touch by an edge or a corner make small handles: where there are
+    any, the mask is blurred first, with a note. LabelError if even this is no sphere-like surface.
     """
     from scipy import ndimage
     from skimage.measure import marching_cubes
@@ -97,16 +100,27 @@ def one_cell(mask, label, corner, voxel, nodes=642, smoothing=50):
     if filled.sum() > mask.sum():
         notes.append(f"filled {filled.sum() - mask.sum()} voxels inside")
     steps = np.asarray(voxel, dtype=float)
-    points, faces, _, _ = marching_cubes(np.pad(filled, 1).astype(np.float32), 0.5,
-                                         allow_degenerate=False)
-    # voxel (0, 0, 0) of the padded mask has its middle at 0; x, y, z is z, y, x turned round
-    points = (points.astype(float) - 0.5 + corner)[:, ::-1] * steps
-    faces = faces.astype(int)
-    if enclosed_volume(points, faces) < 0.0:
-        faces = faces[:, ::-1]
-    faults = find_faults(points, faces)
-    if faults:
-        raise LabelError(f"its surface cannot be a cell: {faults[0]}")
+    problem = ""
+    for blur in BLURS:
+        field = np.pad(filled, MARGIN).astype(np.float32)
+        if blur:
+            field = ndimage.gaussian_filter(field, blur)
+        parts, _ = ndimage.label(field > 0.5)    # what comes off is lost
+        field[(parts > 0) & (parts != np.bincount(parts.ravel())[1:].argmax() + 1)] = 0.0
+        points, faces, _, _ = marching_cubes(field, 0.5, allow_degenerate=False)
+        # x, y, z is z, y, x turned round
+        points = (points.astype(float) + 0.5 - MARGIN + corner)[:, ::-1] * steps
+        faces = faces.astype(int)
+        if enclosed_volume(points, faces) < 0.0:
+            faces = faces[:, ::-1]
+        faults = find_faults(points, faces)
+        if not faults:
+            break
+        problem = problem or faults[0]
+    else:
+        raise LabelError(f"its surface cannot be a cell: {problem}")
+    if problem:
+        notes.append(f"blurred by {blur:g} voxels, since {problem.partition(':')[0]}")
     if smoothing:
         points = smoothed(points, faces, smoothing)
     points, faces = remeshed(points, faces, nodes)
