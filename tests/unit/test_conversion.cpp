@@ -80,8 +80,8 @@ TEST(Conversion, OverlapOfSpheres)
   EXPECT_GT(flattening(cell, large), flattening(large, cell));
 }
 
-// an ellipsoid: 1 - c / cbrt(a b c) of its shortest half axis. The node nearest to its end is off by
-// less than an angle theta, so that it is farther from the center by c/2 (a^2/c^2 - 1) theta^2
+// an ellipsoid: 1 - c / cbrt(a b c) of its shortest half axis. The node nearest to its end is off
+// by less than an angle theta, so that it is farther from the center by c/2 (a^2/c^2 - 1) theta^2
 
 TEST(Conversion, Ellipsoid)
 {

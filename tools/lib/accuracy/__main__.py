@@ -70,7 +70,7 @@ def machine(full):
 
 def verify(runner, args, folder):
     """Keyword accuracy on scenes that it was not made with."""
-    from . import verify as unseen    # its scenes are known from here on
+    from . import verify as unseen  # its scenes are known from here on
 
     if not args.report:
         runner.run_all(unseen.points())

@@ -21,7 +21,7 @@ FRAMES = 5       # times at which runs are compared
 MOST = 1.5       # times the cost of the best setting by hand
 
 
-def history(path, kinds=None):
+def history(path):
     """Values of a dump with the columns of CELL_DUMP, by cell and frame, without the first frame:
     pressure, area, way and, as scale, diameter."""
     found = decks.frames(path)
@@ -95,7 +95,8 @@ class Crawl(Migration):
     """The migration of the map, faster and with another contact law."""
 
     name, fine = "crawl", 0.25
-    quantities = (Quantity("way of the crawler", "way", "um"), Quantity("pressure", "pressure", "kPa"))
+    quantities = (Quantity("way of the crawler", "way", "um"),
+                  Quantity("pressure", "pressure", "kPa"))
 
     def write(self, folder, settings):
         words = super().write(folder, settings | dict(law="foundation"))
@@ -156,24 +157,25 @@ def judge(look):
             rows.append([scene.name, "", 0, 0, math.nan,
                          reference.note if reference else "not run", math.nan, "", math.nan])
             continue
-
-        def of(step):
-            result = look(Point.of(scene.name, step=step, longest="60"))
-            if result is None or result.note:
-                return {q.name: math.nan for q in scene.quantities}, math.nan
-            return errors_of(scene, result, reference), result.seconds
-
-        hand = [(step, *of(step)) for step in BY_HAND]
+        hand = [(step, *outcome(scene, step, reference, look)) for step in BY_HAND]
         for a in ACCURACIES:
-            found, seconds = of(f"accuracy {a}")
+            found, seconds = outcome(scene, f"accuracy {a}", reference, look)
             within = sum(e <= float(a) for e in found.values())
-            worst = max(found, key=lambda n: -1.0 if math.isnan(found[n]) else found[n])
+            worst = max(found, key=lambda n, of=found: -1.0 if math.isnan(of[n]) else of[n])
             good = [(s, step) for step, e, s in hand
                     if all(x <= float(a) for x in e.values())]
             best = min(good, default=(math.nan, "none"))
             rows.append([scene.name, a, within, len(found), found[worst], worst, seconds, best[1],
                          best[0]])
     return rows
+
+
+def outcome(scene, step, reference, look):
+    """(relative error of each quantity, CPU seconds) of a run; NaN if it failed."""
+    result = look(Point.of(scene.name, step=step, longest="60"))
+    if result is None or result.note:
+        return {q.name: math.nan for q in scene.quantities}, math.nan
+    return errors_of(scene, result, reference), result.seconds
 
 
 NAMES = ("scene", "accuracy", "kept", "quantities", "largest error", "of", "CPU s",
