@@ -147,6 +147,20 @@ void BondDCMCortex::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unk
   }
 }
 
+/* ---------------------------------------------------------------------- */
+
+void BondDCMCortex::add_cell_virial(std::vector<double> &virial)
+{
+  const FixDCMCell *const cell = FixDCMCell::require(lmp, STYLE);
+  int **bondlist = neighbor->bondlist;
+  for (int n = 0; n < neighbor->nbondlist; n++) {
+    const int i = bondlist[n][0], j = bondlist[n][1], row = cell->cell_of(i);
+    if (row < 0) continue;
+    const dcm::Vec3 rij = dcm::vec(atom->x[j]) - dcm::vec(atom->x[i]);
+    virial[row] += dcm::cortex_force(coefs[bondlist[n][2]].ks, dcm->l0[i][slots[n]], rij).dot(rij);
+  }
+}
+
 /* ----------------------------------------------------------------------
    the tension that a change of rest lengths takes away
 ------------------------------------------------------------------------- */

@@ -52,6 +52,7 @@ class BondDCMCortex : public Bond, public DCMRole {
   void list_friction(dcm::FrictionSystem &, class DCMUnknowns &) override;
   void add_friction(dcm::FrictionSystem &, class DCMUnknowns &) override;
   void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
+  void add_cell_virial(std::vector<double> &) override;
   void add_ahead(const std::vector<RestAhead> &, std::vector<double> &,
                  class DCMUnknowns &) override;
 

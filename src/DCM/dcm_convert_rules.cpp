@@ -190,9 +190,8 @@ class LumenRule : public DistanceRule {
     int any = marks && marks->marked_faces() ? 1 : 0;
     MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
     if (!any)
-      error->all(FLERR,
-                 "{}: lumen: fix {} ({}) marks no faces at a lumen; name a fix dcm/osmosis", STYLE,
-                 id, fix->style);
+      error->all(FLERR, "{}: lumen: fix {} ({}) marks no faces at a lumen; name a fix dcm/osmosis",
+                 STYLE, id, fix->style);
     DCMRole::check_before_motion(lmp, asking, std::string(STYLE) + ": lumen");
   }
 
@@ -273,6 +272,7 @@ class MeasureRule : public DCMConvertRule {
 
  protected:
   FixDCMCell *cell = nullptr;
+  double on, off;
 
   // per row of the table, zeros at first; in the end the same on all processes
 
@@ -289,17 +289,18 @@ class MeasureRule : public DCMConvertRule {
 
  private:
   std::string name, column;
-  double on, off;
   DCMCellTable::Handle seen;    // at the last look: for output as well
 };
 
 /* ----------------------------------------------------------------------
-   pressure P1 P2: mean pressure in the cell by the forces of its contacts
+   pressure P1 P2: mean pressure that its surroundings put on the cell: on a sphere by its contacts,
+   on a deformable cell what its own forces hold in balance. These change little from step to step,
+   where single contacts are stiff
 ------------------------------------------------------------------------- */
 
 class PressureRule : public MeasureRule {
  public:
-  PressureRule(LAMMPS *lmp, DCMArgs &args) : MeasureRule(lmp, args, "contact_pressure") {}
+  PressureRule(LAMMPS *lmp, DCMArgs &args) : MeasureRule(lmp, args, "outer_pressure") {}
 
   void init(const Fix *asking, FixDCMCell *_cell) override
   {
@@ -310,22 +311,14 @@ class PressureRule : public MeasureRule {
                  "{}: pressure needs pair_style dcm/contact, which knows the forces of contacts; "
                  "add it, or use another rule",
                  STYLE);
-    stress = contact->request_stress();
-    virial = contact->request_virial();
+    spheres = contact->request_virial();
   }
 
  protected:
   void measure(const Cells &, std::vector<double> &value) override
   {
     const auto &table = cell->cells();
-    const double *const normal = cell->normals();
-    for (int f = 0; f < cell->nowned(); f++) {
-      const auto &face = cell->faces()[f];
-      const double pushed = contact->normal_force()[face.atom];
-      if (pushed == 0.0) continue;
-      value[face.cell] +=
-          pushed * vec(&normal[3 * (size_t) f]).dot(from_center(face.cell, atom->x[face.atom]));
-    }
+    for (auto *const role : DCMRole::of(lmp)) role->add_cell_virial(value);
     for (int i = 0; i < atom->nlocal; i++) {
       const int row = cell->cell_of(i);
       if (row >= 0 && !table[row].deformable) value[row] += contact->sphere_virial()[i];
@@ -333,13 +326,13 @@ class PressureRule : public MeasureRule {
     MPI_Allreduce(MPI_IN_PLACE, value.data(), (int) value.size(), MPI_DOUBLE, MPI_SUM, world);
     for (int row = 0; row < table.size(); row++) {
       const auto &it = table[row];
-      value[row] = dcm::contact_pressure(value[row], it.deformable ? it.volume : it.volume0);
+      value[row] = dcm::mean_pressure(value[row], it.deformable ? it.volume : it.volume0);
     }
   }
 
  private:
   PairDCMContact *contact = nullptr;
-  DCMRequest<> stress, virial;
+  DCMRequest<> spheres;
 };
 
 /* ----------------------------------------------------------------------
@@ -348,7 +341,14 @@ class PressureRule : public MeasureRule {
 
 class StrainRule : public MeasureRule {
  public:
-  StrainRule(LAMMPS *lmp, DCMArgs &args) : MeasureRule(lmp, args, "flattening") {}
+  StrainRule(LAMMPS *lmp, DCMArgs &args) : MeasureRule(lmp, args, "flattening")
+  {
+    if (on + dcm::SHAPE_NEAREST >= 1.0)
+      error->all(FLERR,
+                 "{}: strain: the first number, {}, must be below {:.4g}: spheres that are "
+                 "flattened more have no room to be shaped",
+                 STYLE, on, 1.0 - dcm::SHAPE_NEAREST);
+  }
 
  protected:
   void measure(const Cells &cells, std::vector<double> &value) override

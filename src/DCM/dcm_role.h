@@ -71,6 +71,12 @@ class DCMRole {
 
   virtual const double *covered_area() const { return nullptr; }
 
+  // add the virial of the forces that a style makes within deformable cells, the sum over their
+  // nodes of force times position (nN um), per row of the table: of what this process owns. As the
+  // last forces were; forces that depend on angles only have none
+
+  virtual void add_cell_virial(std::vector<double> &) {}
+
   // ---- lumens
 
   // faces that bound a lumen: per owned atom, 1: marked; nullptr: this style marks none. Current

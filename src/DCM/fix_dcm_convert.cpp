@@ -137,7 +137,9 @@ void FixDCMConvert::init()
 
 bool FixDCMConvert::held(int row) const
 {
-  return hold > 0.0 && (*until)(row) - cell->cells().time() > 1.0e-9 * hold;
+  if (hold == 0.0) return false;
+  const double end = (*until)(row);
+  return end - cell->cells().time() > 1.0e-9 * hold;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -252,6 +252,19 @@ void FixDCMTension::pre_reverse(int eflag, int vflag)
 }
 
 /* ----------------------------------------------------------------------
+   the gradient of the area by the positions, times these, is two areas
+------------------------------------------------------------------------- */
+
+void FixDCMTension::add_cell_virial(std::vector<double> &virial)
+{
+  for (int n = 0; n < cell->nowned(); n++) {
+    const FixDCMCell::Face &face = cell->faces()[n];
+    const double T = tension(face);
+    if (T != 0.0) virial[face.cell] -= 2.0 * T * cell->area(n);
+  }
+}
+
+/* ----------------------------------------------------------------------
    tensions are those of this step's forces
 ------------------------------------------------------------------------- */
 

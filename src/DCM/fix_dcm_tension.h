@@ -45,6 +45,7 @@ class FixDCMTension : public Fix, public DCMRole {
   double memory_usage() override;
 
   void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
+  void add_cell_virial(std::vector<double> &) override;
 
  private:
   static constexpr int NREGION = AtomVecDCM::NREGION, ALL = NREGION;

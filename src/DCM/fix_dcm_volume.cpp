@@ -330,6 +330,15 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
 }
 
 /* ----------------------------------------------------------------------
+   the gradient of the volume by the positions, times these, is three volumes
+------------------------------------------------------------------------- */
+
+void FixDCMVolume::add_cell_virial(std::vector<double> &virial)
+{
+  for (const int c : cell->owned_cells()) virial[c] += 3.0 * pressure[c] * cell->cells()[c].volume;
+}
+
+/* ----------------------------------------------------------------------
    the pressure that a change of rest volume adds, with the gradients of add_stiffness()
 ------------------------------------------------------------------------- */
 

@@ -45,6 +45,7 @@ class FixDCMVolume : public Fix, public DCMRole {
 
   unsigned traits() const override { return GIVES_PRESSURE; }
   void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
+  void add_cell_virial(std::vector<double> &) override;
   void add_ahead(const std::vector<RestAhead> &, std::vector<double> &,
                  class DCMUnknowns &) override;
 

@@ -106,6 +106,7 @@ CASES = {
     "convert pressure zero": (TYPES + "pressure 0 -1", "Fix dcm/convert: pressure is 0.*positive"),
     "convert pressure nan": (TYPES + "pressure 0.1 nan", "Fix dcm/convert: pressure is 'nan'"),
     "convert strain": (TYPES + "strain 0.1 0.2", "strain: the second number, 0.2, .*first, 0.1"),
+    "convert strain deep": (TYPES + "strain 0.3 0.2", "first number, 0.3, must be below 0.3: sph"),
     "convert strain short": (TYPES + "strain 0.1", "Fix dcm/convert: keyword strain needs 2 val"),
     "convert measure and place": (TYPES + "strain 0.1 0 near all 1 2", "give one rule.*not 2"),
     "convert hold": (TYPES + "near all 1 2 hold -1", "Fix dcm/convert: hold is -1"),

@@ -81,7 +81,7 @@ def test_strain_of_deformable_cells(lmp, scenes):
     scene = scenes.Scene((40.0, 14.0, 14.0), "f f f")
     scene.dcm(-15.0, 0.0, 0.0, R, mesh=("ellipsoid.off", len(nodes), len(faces)))
     scene.dcm(15.0, 0.0, 0.0, R)
-    deck = still(scene, "strain 0.5 0.05") + cells_dump(scenes, 10)
+    deck = still(scene, "strain 0.25 0.05") + cells_dump(scenes, 10)
     deck += seen_dump(scenes, "flattening") + "run 20\n"
     result = lmp(deck, files={"ellipsoid.off": scenes.off(nodes, faces)})
     a, b, c = (nodes[faces[:, k]] for k in range(3))
@@ -105,40 +105,46 @@ def test_pressure_of_spheres(lmp, scenes, part, changed):
     E = 0.45 / (1 - 0.4**2) / 2
     p = 4 / 3 * E * np.sqrt(R / 2) * (2 * R - d) ** 1.5 * d / (3 * V)
     deck = pressed(scene, f"pressure {part * p:.12g} {0.1 * p:.12g}") + cells_dump(scenes, 10)
-    result = lmp(deck + seen_dump(scenes, "contact_pressure") + "run 10\n", files=FILES)
-    values = seen(result, "contact_pressure")[10]
+    result = lmp(deck + seen_dump(scenes, "outer_pressure") + "run 10\n", files=FILES)
+    values = seen(result, "outer_pressure")[10]
     assert values == pytest.approx({1: p / 2, 2: p, 3: p / 2}, rel=1e-9)
     assert forms(result)[10] == changed
 
 
-def test_pressure_of_a_deformable_cell(lmp, scenes):
-    """Between two spheres: the sum over its faces, and twice F R / (3 V) of the force on a sphere.
-
-    Contact is within 30 degrees of the axis, on faces whose planes are 0.93 to 1 radius away.
-    """
-    scene = scenes.Scene((24.0, 12.0, 12.0), "f f f", parameters=PLAIN, level=2)
-    scene.dcm(0.0, 0.0, 0.0, R)
-    for x in (-9.6, 9.6):
-        scene.cbm(x, 0.0, 0.0, R)
-    deck = pressed(scene, "pressure 1e3 -1e3") + cells_dump(scenes, 10)
-    deck += seen_dump(scenes, "contact_pressure") + scenes.dump("id mol type fx", 10)
-    deck += "compute face all dcm/face area stress nx ny nz\n" + scenes.dump(
-        "id mol type xu yu zu c_face[1] c_face[2] c_face[3] c_face[4] c_face[5]", 10, "faces.txt"
-    )
-    result = lmp(deck + "run 10\n", files=FILES)
-    p = seen(result, "contact_pressure")[10][1]
-    # at the look, positions and forces are those of the start
-    frame, forces = result.dump("faces.txt")[0], result.dump()[0]
-    mine = (frame["mol"] == 1) & (frame["type"] == 3)
+@pytest.mark.parametrize("np_", [1, 2])
+@pytest.mark.parametrize("tension", ["", "tension 0.2"])
+def test_pressure_of_a_deformable_cell(lmp, scenes, tension, np_):
+    """What its own forces hold: sum F.(x - center) / (3 V) over its nodes, with the forces it has
+    without contacts; across a periodic border."""
+    scene = scenes.Scene((15.0, 12.0, 12.0), "p p p", parameters=PLAIN, level=2)
+    for x in (0.0, 9.6, -9.6):
+        scene.dcm(x, 0.0, 0.0, R)
+    fix = f"fix tension all dcm/tension {scene.map} {tension}\n" if tension else ""
+    dump = scenes.dump("id mol type xu yu zu fx fy fz", 10)
+    deck = pressed(scene, "pressure 1e3 -1e3") + fix + cells_dump(scenes, 10)
+    deck += seen_dump(scenes, "outer_pressure") + dump
+    deck += "displace_atoms all move 14.5 0 0 units box\nrun 10\n"
+    result = lmp(deck, files=FILES, np=np_)
+    alone = scene.head() + scene.cortex() + "comm_modify cutoff 14\nfix cell all dcm/cell\n"
+    free = lmp(alone + scene.volume() + fix + dump + "run 0\n", files=FILES).dump()[0]
+    nodes = (free["mol"] == 1) & (free["type"] == 2)
+    x = free.x[nodes]
+    virial = np.einsum("ij,ij->", free.f[nodes], x - x.mean(axis=0))
     volume = cells(result.dump("cells.txt")[0])[1][2]
-    normals = frame.vectors("c_face[3]", "c_face[4]", "c_face[5]")[mine]
-    pushed = (frame["c_face[1]"] * frame["c_face[2]"])[mine]
-    center = frame.x[(frame["mol"] == 1) & (frame["type"] == 2)].mean(axis=0)
-    virial = (pushed * np.einsum("ij,ij->i", normals, frame.x[mine] - center)).sum()
-    assert p == pytest.approx(virial / (3 * volume), rel=1e-9)
-    F = forces["fx"][(forces["mol"] == 3)][0]
-    assert F > 0.1
-    assert 0.93 < p * 3 * volume / (2 * F * R) < 1 / np.cos(np.radians(30))
+    assert seen(result, "outer_pressure")[10][1] == pytest.approx(virial / (3 * volume), rel=1e-9)
+
+
+@pytest.mark.parametrize("P", [0.0, 0.3])
+def test_pressure_from_all_sides(lmp, scenes, P):
+    """At rest the pressure outside, whatever the tension of the cortex: zero for a free cell."""
+    scene = scenes.Scene(15.0, "s s s", level=2, parameters=PLAIN)
+    scene.dcm(0.0, 0.0, 0.0, R)
+    deck = scene.head() + scene.forces() + growth(scene, "") + convert("pressure 1e3 -1e3")
+    deck += f"fix osm all dcm/osmosis pressure {P} marks flood starter 0 0 0 100 1e9\n"
+    deck += scene.motion() + cells_dump(scenes, 600) + seen_dump(scenes, "outer_pressure", 600)
+    result = lmp(deck + "timestep 1.0\nrun 600\n", files=FILES)
+    assert cells(result.dump("cells.txt")[-1])[1][3] > P + 0.01  # with the tension of the cortex
+    assert seen(result, "outer_pressure")[600][1] == pytest.approx(P, abs=1e-6)
 
 
 def chain(scenes, rule, options="every 10 mesh icosphere 1 rest 0.95", release=True):

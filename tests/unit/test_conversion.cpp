@@ -31,7 +31,7 @@ TEST(Conversion, UniformPressureIsTheMeanOne)
   const double P = 0.37, a = 5.0, R = 4.0;
   double virial = 0.0;
   for (int face = 0; face < 6; face++) virial += P * a * a * (0.5 * a);
-  EXPECT_NEAR(contact_pressure(virial, a * a * a), P, 1e-14);
+  EXPECT_NEAR(mean_pressure(virial, a * a * a), P, 1e-14);
 
   const Mesh mesh = icosphere(3);
   virial = 0.0;
@@ -40,7 +40,15 @@ TEST(Conversion, UniformPressureIsTheMeanOne)
     const Vec3 area = 0.5 * (q - p).cross(r - p);
     virial += P * area.norm() * area.normalized().dot((p + q + r) / 3.0);
   }
-  EXPECT_NEAR(contact_pressure(virial, R * R * R * volume(mesh)), P, 1e-12);
+  EXPECT_NEAR(mean_pressure(virial, R * R * R * volume(mesh)), P, 1e-12);
+}
+
+// a bubble in balance: its pressure p and tension T hold what is outside, p - 2 T / R
+
+TEST(Conversion, WithinOrFromOutsideIsTheSame)
+{
+  const double p = 0.4, T = 0.3, R = 4.0, area = 4.0 * PI * R * R, V = R * area / 3.0;
+  EXPECT_NEAR(mean_pressure(3.0 * p * V - 2.0 * T * area, V), p - 2.0 * T / R, 1e-14);
 }
 
 // between two planes, each with the force F at R - delta: 2 F (R - delta) / (3 V)
@@ -52,8 +60,8 @@ TEST(Conversion, SphereBetweenTwoPlanes)
   const double F = law.force(delta);
   EXPECT_NEAR(F, 4.0 / 3.0 * 3.0 * std::sqrt(R) * std::pow(delta, 1.5), 1e-9 * F);
   const double V = 4.0 / 3.0 * PI * R * R * R;
-  EXPECT_NEAR(contact_pressure(2.0 * F * (R - delta), V),
-              F * (R - delta) / (2.0 * PI * R * R * R), 1e-12);
+  EXPECT_NEAR(mean_pressure(2.0 * F * (R - delta), V), F * (R - delta) / (2.0 * PI * R * R * R),
+              1e-12);
 }
 
 TEST(Conversion, BallIsNotFlattened)

@@ -27,10 +27,10 @@ inline Form wanted_near(double distance, double in, double out)
   return wanted_form(-distance, -in, -out);
 }
 
-/// Mean pressure in a body of `volume` (um^3) that contacts press on, kPa, compression positive:
-/// by the theorem of mean stress a third of `virial`, the sum over the contacts of force times the
-/// distance of their plane from the center (nN um; repulsion positive), over the volume.
-inline double contact_pressure(double virial, double volume)
+/// Mean pressure in a body of `volume` (um^3) that others press on, kPa, compression positive: by
+/// the theorem of mean stress a third of `virial` over the volume, the sum of the forces on its
+/// surface times their way inward to the center (nN um), or what its own forces hold against them.
+inline double mean_pressure(double virial, double volume)
 {
   return virial / (3.0 * volume);
 }

@@ -295,7 +295,7 @@ class Deck:
         rule = self.one("region inner half", f"near first {self.number(5, 15)} "
                         f"{self.number(15, 25)}", "variable v_form",
                         f"pressure {self.number(0.02, 0.1)} {self.number(-0.02, 0.02)}",
-                        f"strain {self.number(0.1, 0.3)} {self.number(0, 0.1)}")  # fmt: skip
+                        f"strain {self.number(0.1, 0.2)} {self.number(0, 0.1)}")  # fmt: skip
         self.fix("convert", f"{self.group()} dcm/convert dcm 1 2 3 1 1 cbm 4 {rule} " + self.some(
             0.4, lambda: f"mesh icosphere {self.whole(1, 1)}",
             lambda: f"rest {self.number(0.9, 1)}", lambda: f"every {self.whole(1, 3)}",
