@@ -9,61 +9,22 @@ Standard library only; expects the environment that tools/bench sets (DCM_LMP, L
 """
 
 import argparse
-import csv
 import hashlib
-import json
 import os
-import platform
 import re
 import shutil
 import statistics
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import effects_build
-from effects_decks import EFFECTS, ROOT, SCENES, STEPS, deck, missing, options, registered
+from effects_decks import EFFECTS, ROOT, SCENES, STEPS, missing, registered
+from effects_jobs import Store, base_job, jobs_of
+from effects_tables import LIMIT, UNNAMED, Tables, machine, over, percent_of, unlike, write
 
-LIMIT = 0.5      # percent of a step that an effect with nothing to do may take
-UNNAMED = 0.1    # percent between the program with and without the styles no deck names
-COUNTED = "block"    # the scene in which the messages and the memory of each effect are counted
-PAIRS = 3        # runs with and without, in turn, of --seconds
-
-
-class Store:
-    """Results by key in one file, so that a benchmark that was stopped goes on where it was."""
-
-    def __init__(self, path):
-        self.path = path
-        self.known = json.loads(path.read_text()) if path.is_file() else {}
-
-    def put(self, key, value):
-        self.known[key] = value
-        part = self.path.with_suffix(".part")
-        part.write_text(json.dumps(self.known, indent=1, sort_keys=True))
-        part.replace(self.path)
-
-
-@dataclass(frozen=True)
-class Job:
-    """One deck and what is counted in it: instructions, counts or seconds."""
-
-    kind: str
-    scene: str
-    what: str
-    fields: tuple    # sorted items, so that equal decks are one job
-    steps: int = STEPS
-    acts: str = ""
-    per: str = "step"
-
-    def deck(self, steps=None):
-        return deck(SCENES[self.scene], dict(self.fields), steps or self.steps, self.acts)
-
-    def key(self, build):
-        text = f"{self.kind} {self.scene} {self.steps} {self.per} {build}\n{self.deck()}"
-        return hashlib.sha256(text.encode()).hexdigest()[:16]
+PAIRS = 3    # runs with and without, in turn, of --seconds
 
 
 def build_of(folder):
@@ -158,39 +119,6 @@ def loop_seconds(log):
     return wall * float(re.findall(r"([\d.]+)% CPU use", log)[-1]) / 100
 
 
-# ---- what is to be done
-
-
-def items(fields):
-    return tuple(sorted((fields or {}).items()))
-
-
-def jobs_of(effect, scene, kind):
-    """Jobs of one row: variant (base, named, idle, idle_base) -> Job."""
-    steps = SCENES[scene].timed if kind == "seconds" else STEPS
-    variants = {"base": effect.base, "named": effect.named}
-    if effect.idle is not None:
-        base = effect.base if effect.idle_base is None else effect.idle_base
-        variants |= {"idle_base": base, "idle": effect.idle}
-    if kind == "counts" and scene != COUNTED:
-        return {}
-    if kind == "seconds":
-        if effect.per == "event":
-            return {}
-        variants = {k: variants[k] for k in ("base", "named")}
-    made = {}
-    for variant, fields in variants.items():
-        named = variant == "named"
-        per = effect.per if variant in ("base", "named") else "step"
-        made[variant] = Job(kind, scene, f"{effect.name}: {variant}", items(fields), steps,
-                            effect.acts if named else "", per)
-    return made
-
-
-def base_job(kind, scene):
-    return Job(kind, scene, "the deck without any effect", ())
-
-
 class Progress:
     """Lines with the time that is left, from what runs of each kind and scene took so far."""
 
@@ -253,152 +181,6 @@ def measure_seconds(rows, runs, store, build):
         left = (time.perf_counter() - begin) / n * (len(todo) - n)
         print(f"[{n:4d}/{len(todo)}] {scene:5s} seconds      {effect.name:48s} "
               f"{percent_of(pairs):+6.1f} %  {left / 60:5.1f} min left", flush=True)
-
-
-def percent_of(pairs):
-    return statistics.median(100.0 * (b - a) / a for a, b in pairs)
-
-
-# ---- tables
-
-
-def number(value, digits=2):
-    """Short text of a number; what is exactly nothing is 0."""
-    if value is None:
-        return ""
-    if value == 0.0:
-        return "0"
-    return f"{value:+.{digits}f}" if round(value, digits) else f"{value:+.1g}"
-
-
-class Tables:
-    """Rows of the manual's tables from the results."""
-
-    def __init__(self, store, build):
-        self.store, self.build = store, build
-
-    def get(self, effect, scene, kind, variant):
-        job = jobs_of(effect, scene, kind).get(variant)
-        return self.store.known.get(job.key(self.build)) if job else None
-
-    def added(self, effect, scene, kind, what, variants=("base", "named")):
-        """What is added, and in percent of the scene's deck; None while it was not measured."""
-        a, b = (self.get(effect, scene, kind, v) for v in variants)
-        if not a or not b or scene not in effect.scenes:
-            return None, None
-        scenes = self.store.known.get(base_job(kind, scene).key(self.build))
-        difference = b[what] - a[what]
-        return difference, 100.0 * difference / scenes[what] if scenes else None
-
-    def seconds(self, effect, scene):
-        jobs = jobs_of(effect, scene, "seconds")
-        if not jobs:
-            return None
-        pairs = self.store.known.get(
-            "s" + jobs["named"].key(self.build) + jobs["base"].key(self.build))
-        return percent_of(pairs) if pairs else None
-
-    def counts(self, effect, variants=("base", "named")):
-        """KiB a process, messages and bytes a step, in one scene."""
-        heap, messages, size = (self.added(effect, COUNTED, "counts", what, variants)[0]
-                                for what in ("heap", "messages", "bytes"))
-        return [number(None if heap is None else heap / 1024, 1), number(messages, 1),
-                number(size, 0)]
-
-    def named(self):
-        yield ["effect", "style", *(f"{s}, %" for s in SCENES), "iterations", "KiB", "messages",
-               "bytes", *(f"time {s}, %" for s in SCENES)]
-        for effect in EFFECTS:
-            if effect.per == "event":
-                continue
-            shares = [number(self.added(effect, s, "instructions", "instructions")[1])
-                      for s in SCENES]
-            was, now = (self.get(effect, COUNTED, "instructions", v) for v in ("base", "named"))
-            both = [f"{x['iterations']:.1f}" if x and x["iterations"] else "" for x in (was, now)]
-            yield [effect.name, effect.styles[0], *shares, " to ".join(filter(None, both)),
-                   *self.counts(effect), *(number(self.seconds(effect, s), 0) for s in SCENES)]
-
-    def events(self):
-        yield ["event", "style", *(f"{s}, million" for s in SCENES),
-               *(f"{s}, steps" for s in SCENES), "messages", "bytes"]
-        for effect in EFFECTS:
-            if effect.per != "event":
-                continue
-            found = [self.added(effect, s, "instructions", "instructions") for s in SCENES]
-            yield [effect.name, effect.styles[0],
-                   *(number(None if a is None else a * STEPS / 1e6) for a, _ in found),
-                   *(number(None if p is None else p * STEPS / 100) for _, p in found),
-                   *self.counts(effect)[1:]]
-
-    def idle(self):
-        """Rows of effects with nothing to do; those beyond the limit end with the word over."""
-        yield ["style", "in the deck", *(f"{s}, %" for s in SCENES), "KiB", "messages", "bytes"]
-        for effect in EFFECTS:
-            if effect.idle is None:
-                continue
-            variants = ("idle_base", "idle")
-            shares = [self.added(effect, s, "instructions", "instructions", variants)[1]
-                      for s in SCENES]
-            line = (effect.idle.get("effect") or effect.idle.get("after")).splitlines()[-1]
-            yield [effect.styles[0], line.split(" ", 2)[2],
-                   *(number(s, 3) for s in shares), *self.counts(effect, variants)]
-
-    def scenes(self):
-        yield ["scene", "what", "million instructions a step", "iterations", "KiB a process",
-               "messages", "bytes"]
-        for scene in SCENES.values():
-            jobs = {k: base_job(k, scene.name) for k in ("instructions", "counts")}
-            found = {k: self.store.known.get(j.key(self.build)) for k, j in jobs.items()}
-            a, b = found["instructions"], found["counts"]
-            yield [scene.name, scene.about, f"{a['instructions'] / 1e6:.2f}" if a else "",
-                   f"{a['iterations']:.1f}" if a else "",
-                   *([f"{b['heap'] / 1024:.0f}", f"{b['messages']:.0f}", f"{b['bytes']:.0f}"]
-                     if b else ["", "", ""])]
-
-    def options(self):
-        yield ["style", "options with a row", "options without"]
-        for style, header in registered().items():
-            yield [style, *(", ".join(names) for names in options(style, header))]
-
-
-def over(rows):
-    """Rows of idle() beyond the limit in a scene."""
-    rows = list(rows)
-    places = [k for k, head in enumerate(rows[0]) if head.endswith("%")]
-    return [row for row in rows[1:] if any(row[k] and float(row[k]) > LIMIT for k in places)]
-
-
-def unnamed_rows(store, all_, few):
-    """Per scene: counts with all styles in the program, and without those the deck leaves out."""
-    yield ["scene", "instructions, all styles", "needed ones only", "%", "bytes allocated",
-           "messages", "bytes sent"]
-    for scene in SCENES:
-        found = []
-        for build in (all_, few):
-            found.append([store.known.get(base_job(kind, scene).key(build))
-                          for kind in ("instructions", "counts")])
-        if any(x is None for both in found for x in both):
-            continue
-        (a, p), (b, q) = found
-        share = 100.0 * (a["instructions"] - b["instructions"]) / b["instructions"]
-        yield [scene, f"{a['instructions'] * STEPS:.0f}", f"{b['instructions'] * STEPS:.0f}",
-               number(share, 4), *(number(p[k] - q[k], 1) for k in ("heap", "messages", "bytes"))]
-
-
-def write(folder, name, rows):
-    folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / f"{name}.csv", "w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows(rows)
-
-
-def machine():
-    """Date, processor and compiler, for the page."""
-    info = Path("/proc/cpuinfo")
-    models = re.findall(r"model name\s*: (.*)", info.read_text()) if info.is_file() else []
-    name = models[0] if models else platform.machine()
-    compiler = subprocess.run(["c++", "--version"], capture_output=True, text=True, check=False)
-    return (f"{time.strftime('%d %B %Y').lstrip('0')}, {os.cpu_count()} cores of {name}, "
-            f"{compiler.stdout.splitlines()[0] if compiler.stdout else 'unknown compiler'}")
 
 
 # ---- command line
@@ -472,7 +254,7 @@ def main(arguments=None):
     few = store.known.get("few", "")
     made = {"named": tables.named(), "events": tables.events(), "idle": tables.idle(),
             "scenes": tables.scenes(), "options": tables.options(),
-            "unnamed": unnamed_rows(store, build, few)}
+            "unnamed": tables.unnamed(few)}
     made = {name: list(rows_) for name, rows_ in made.items()}
     where = ROOT / "doc/effects" if wanted.page else folder
     for name, table in made.items():
@@ -482,6 +264,8 @@ def main(arguments=None):
     over_limit = over(made["idle"])
     for row in over_limit:
         print(f"idle and over {LIMIT} % of a step: {', '.join(row)}")
+    for row in unlike(made["unnamed"]):
+        print(f"not in the deck, and yet over {UNNAMED} % or a message: {', '.join(row)}")
     print(f"tables: {where}; results: {store.path}")
     print(f"idle_over_limit: {len(over_limit)}")
     if failed:

@@ -128,6 +128,7 @@ class Effect:
 
     styles: of the package, as listed by registered(), that this row is about
     idle: fields with which the style is there and has nothing to do, against `idle_base` (or base)
+    note: why it has nothing to do, where its line does not tell
     per: "step", or "event": it happens once, in the last step
     acts: an equal-style reference that is not zero at the end if the effect happened
     """
@@ -138,6 +139,7 @@ class Effect:
     base: dict = field(default_factory=dict)
     idle: dict = None
     idle_base: dict = None
+    note: str = ""
     per: str = "step"
     acts: str = ""
     scenes: tuple = tuple(SCENES)
@@ -210,6 +212,8 @@ EFFECTS = [
            dict(motion="scheme explicit")),
     Effect("motion, dt auto", ("fix dcm/motion",), dict(motion="dt auto tol 0.02 max 60"),
            dict(motion="scheme implicit")),
+    Effect("motion, accuracy 0.02", ("fix dcm/motion",), dict(motion="accuracy 0.02"),
+           dict(motion="scheme implicit")),
     Effect("motion, maxmove shrink", ("fix dcm/motion",),
            dict(motion="scheme explicit maxmove 0.25 shrink"),
            dict(motion="scheme explicit maxmove 0.25")),
@@ -249,6 +253,7 @@ EFFECTS = [
     Effect("division of a cell", ("fix dcm/division",),
            fixes(READY, "fix divide all dcm/division seed 1 every {last}"), fixes(READY),
            idle=fixes(GROWTH, "fix divide all dcm/division seed 1"), idle_base=fixes(GROWTH),
+           note="no cell gets ready",
            per="event", acts="f_divide[1]"),
     Effect("death, shrinking", ("fix dcm/death",), fixes("fix die one dcm/death all shrink 1e6"),
            idle=fixes("fix die all dcm/death age 1e12"), idle_base={}),
@@ -259,6 +264,12 @@ EFFECTS = [
     Effect("conversion, nobody near", ("fix dcm/convert",),
            dict(SPHERE, **fixes(REGIONS, CONVERT + NOBODY)), SPHERE,
            idle=dict(SPHERE, **fixes(REGIONS, CONVERT.replace(" all ", " none ") + NOBODY))),
+    Effect("conversion by pressure, nobody", ("fix dcm/convert",),
+           dict(SPHERE, **fixes(CONVERT + " pressure 1000 -1000 every 1")),
+           dict(SPHERE, **fixes(REGIONS, CONVERT + NOBODY))),
+    Effect("conversion by strain, nobody", ("fix dcm/convert",),
+           dict(SPHERE, **fixes(CONVERT + " strain 1000 -1000 every 1")),
+           dict(SPHERE, **fixes(REGIONS, CONVERT + NOBODY))),
     Effect("conversion of a cell", ("fix dcm/convert",),
            dict(SPHERE, **fixes(
                "variable form atom -1",
@@ -275,7 +286,8 @@ EFFECTS = [
     Effect("tracers, 100 a cell", ("fix dcm/tracer",), fixes(POLARITY, TRACER), fixes(POLARITY),
            idle=fixes(POLARITY, TRACER.replace("number 100", "number 0")), acts="f_tracer[1]"),
     Effect("osmosis", ("fix dcm/osmosis",), fixes(POLARITY, OSMOSIS), fixes(POLARITY),
-           idle=fixes(NO_POLARITY, OSMOSIS), idle_base=fixes(NO_POLARITY), acts="f_osmosis[1]"),
+           idle=fixes(NO_POLARITY, OSMOSIS), idle_base=fixes(NO_POLARITY),
+           note="no cell is polar", acts="f_osmosis[1]"),
     Effect("osmosis, every 1", ("fix dcm/osmosis",), fixes(POLARITY, OSMOSIS + " every 1"),
            fixes(POLARITY, OSMOSIS + " every 10")),
     Effect("osmosis, solute", ("fix dcm/osmosis",),
@@ -289,13 +301,14 @@ EFFECTS = [
     # ---- output
     Effect("values of cells", ("compute dcm/cell",),
            reads("dcm/cell", "centers", "volume area pressure contact_area", 4),
-           idle=dict(after="compute c centers dcm/cell volume area pressure contact_area")),
+           idle=dict(after="compute c centers dcm/cell volume area pressure contact_area"),
+           note="nobody reads it"),
     Effect("values of cells, neighbors", ("compute dcm/cell",),
            reads("dcm/cell", "centers", "volume area pressure neighbors", 4),
            reads("dcm/cell", "centers", "volume area pressure contact_area", 4)),
     Effect("values of faces", ("compute dcm/face",),
            reads("dcm/face", "dcm", "area contact_area", 2),
-           idle=dict(after="compute c dcm dcm/face area contact_area")),
+           idle=dict(after="compute c dcm dcm/face area contact_area"), note="nobody reads it"),
     Effect("values of faces, stress", ("compute dcm/face",),
            reads("dcm/face", "dcm", "area stress", 2),
            reads("dcm/face", "dcm", "area contact_area", 2)),
@@ -303,7 +316,8 @@ EFFECTS = [
            dict(fixes(POLARITY, OSMOSIS),
                 after="compute lumen all dcm/lumen\n" + READ.format("c_lumen[1] c_lumen[4]")),
            fixes(POLARITY, OSMOSIS),
-           idle=dict(fixes(POLARITY, OSMOSIS), after="compute lumen all dcm/lumen")),
+           idle=dict(fixes(POLARITY, OSMOSIS), after="compute lumen all dcm/lumen"),
+           note="nobody reads it"),
 ]
 
 
