@@ -200,10 +200,11 @@ def lumen(full):
         for n in ((60, 125, 250, 500, 1000) + ((2000,) if full else ()))),
         tracer | dict(number="4000" if full else "2000"),
         tracer | dict(number="2000" if full else "1000"), 2.0**0.5, -0.5, turned(1, 2, 3), True))
-    knobs.append(Knob("steps of tracers", "lumen", "marks", tuple(
+    # marks depend on where tracers are at a look: substeps are part of the model
+    knobs.append(Knob("steps of tracers", "lumen", "model", tuple(
         Value(f"{n} substeps", 1.0 / n, dict(marks="tracer", substeps=str(n)))
-        for n in (1, 2, 5, 10)), dict(marks="tracer", substeps="40"),
-        dict(marks="tracer", substeps="20"), seeds=turned(1, 2, 3), paired=True))
+        for n in (1, 2, 5, 20, 40)), dict(marks="tracer", substeps="10"), seeds=turned(1, 2, 3),
+        paired=True))
     knobs.append(Knob("marks", "lumen", "model", (
         Value("marks flood", None, {}), Value("marks tracer", None, tracer)), {},
         seeds=turned(1, 2, 3), paired=True))
