@@ -183,7 +183,7 @@ def bile_duct(full):
 
 
 def lumen(full):
-    knobs = motion_knobs("lumen", (1, 0.5, 0.25), (10, 5, 2.5, 1), 0.125, ("60", "20", "10", "5"))
+    knobs = motion_knobs("lumen", (1, 0.5), (10, 5, 2.5, 1), 0.25, ("60", "20", "10", "5"))
     knobs.append(mesh("lumen", 4 if full else 3, turned(1, 2, 3, 4)))
     # when a cell has a face marked decides when the lumen opens: there is no order
     fine = dict(step="implicit 1")
@@ -193,17 +193,18 @@ def lumen(full):
             for n in (60, 20, 10, 5, 2)), fine | {fix: "1"}, fine | {fix: "2"}))
     knobs.append(Knob("longest, fix dcm/osmosis", "lumen", "time", tuple(
         Value(f"longest {x} s", float(x), dict(fluid=x)) for x in ("60", "20", "10", "5", "2")),
-        dict(step="explicit 0.125", tolerance=TIGHT), dict(step="explicit 0.25", tolerance=TIGHT)))
+        dict(step="explicit 0.25", tolerance=TIGHT), dict(step="explicit 0.5", tolerance=TIGHT)))
     tracer = dict(marks="tracer", substeps="10")
     knobs.append(Knob("tracers", "lumen", "marks", tuple(
         Value(f"{n} tracers a cell", float(n), tracer | dict(number=str(n)))
         for n in ((60, 125, 250, 500, 1000) + ((2000,) if full else ()))),
         tracer | dict(number="4000" if full else "2000"),
         tracer | dict(number="2000" if full else "1000"), 2.0**0.5, -0.5, turned(1, 2, 3), True))
-    knobs.append(Knob("steps of tracers", "lumen", "marks", tuple(
+    # marks depend on where tracers are at a look: substeps are part of the model
+    knobs.append(Knob("steps of tracers", "lumen", "model", tuple(
         Value(f"{n} substeps", 1.0 / n, dict(marks="tracer", substeps=str(n)))
-        for n in (1, 2, 5, 10)), dict(marks="tracer", substeps="40"),
-        dict(marks="tracer", substeps="20"), seeds=turned(1, 2, 3), paired=True))
+        for n in (1, 2, 5, 20, 40)), dict(marks="tracer", substeps="10"), seeds=turned(1, 2, 3),
+        paired=True))
     knobs.append(Knob("marks", "lumen", "model", (
         Value("marks flood", None, {}), Value("marks tracer", None, tracer)), {},
         seeds=turned(1, 2, 3), paired=True))

@@ -86,11 +86,10 @@ class Runner:
         """Run one point and keep its result."""
         scene, folder = SCENES[point.scene], self.place(point)
         folder.mkdir(parents=True, exist_ok=True)
-        words = [*self.lmp, "-in", "in.run", "-nocite",
+        words = ["nice", "-n", "5", *self.lmp, "-in", "in.run", "-nocite",
                  *scene.write(folder, scene.settings(dict(point.changes)))]
         with open(folder / "out", "w", encoding="utf-8") as out:
-            child = subprocess.Popen(words, cwd=folder, stdout=out, stderr=subprocess.STDOUT,
-                                     preexec_fn=lambda: os.nice(5))
+            child = subprocess.Popen(words, cwd=folder, stdout=out, stderr=subprocess.STDOUT)
         self.children.add(child)
         status, usage = self.wait(child)
         self.children.discard(child)
