@@ -93,6 +93,8 @@ class Map:
             found |= {"default costs": f"{number(default.row.cost)} {self.unit()}",
                       "steps": f"{percent(default.row.relative)} ({default.which})",
                       "median": percent(default.median)}
+        elif self.budget():
+            found["default costs"] = f"{number(self.budget()[0].row.cost)} {self.unit()}"
         found |= {"mesh": "-", "one orientation": "-"}
         if mesh:
             found |= {"mesh": f"{percent(mesh.row.relative)} ({mesh.which})",
