@@ -95,8 +95,8 @@ void FixDCMMotion::tell_accuracy()
     error->warning(
         FLERR,
         "{}: the mesh does not hold accuracy {:g}: cells of {} nodes leave about {:.2g} in "
-        "areas and forces of contacts, {:.0f} nodes would do; errors of the steps are "
-        "within it",
+        "areas and forces of contacts, {:.0f} nodes would do; steps are chosen for it all "
+        "the same",
         STYLE, A, fewest, dcm::mesh_error(fewest), dcm::mesh_nodes(A));
   int dim;
   const auto *const h0 = force->pair ? static_cast<double *>(force->pair->extract("h0", dim))
