@@ -242,6 +242,10 @@ void FixDCMMotility::initial_integrate(int /*vflag*/)
 
 void FixDCMMotility::pre_reverse(int /*eflag*/, int /*vflag*/)
 {
+  if (std::none_of(types.begin(), types.end(), [](const Type &it) {
+        return it.used;
+      }))
+    return;
   const int nlocal = atom->nlocal;
   const auto &table = cell->cells();
   const auto &rows = table.all_deformable();

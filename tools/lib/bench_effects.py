@@ -237,13 +237,11 @@ def main(arguments=None):
     base = [base_job(kind, scene) for kind in ("instructions", "counts")
             for scene in wanted.scenes.split(",")]
     failed = []
-    tables, few = Tables(store, build), ""
     if wanted.unnamed:
         place = effects_build.build(folder)
-        few = build_of(place)
         failed += measure(base, runs, store, build)
-        failed += measure(base, Runs(folder / "run", place), store, few)
-        store.put("few", few)
+        failed += measure(base, Runs(folder / "run", place), store, build_of(place))
+        store.put("few", build_of(place))
     elif wanted.seconds:
         measure_seconds(rows, runs, store, build)
     else:
@@ -251,25 +249,26 @@ def main(arguments=None):
                                   for kind in ("instructions", "counts")
                                   for job in jobs_of(effect, scene, kind).values()],
                           runs, store, build)
-    few = store.known.get("few", "")
-    made = {"named": tables.named(), "events": tables.events(), "idle": tables.idle(),
-            "scenes": tables.scenes(), "options": tables.options(),
-            "unnamed": tables.unnamed(few)}
-    made = {name: list(rows_) for name, rows_ in made.items()}
-    where = ROOT / "doc/effects" if wanted.page else folder
-    for name, table in made.items():
-        write(where, name, table)
-    if wanted.page:
-        (where / "measured.txt").write_text(machine() + "\n")
-    over_limit = over(made["idle"])
-    for row in over_limit:
-        print(f"idle and over {LIMIT} % of a step: {', '.join(row)}")
-    for row in unlike(made["unnamed"]):
-        print(f"not in the deck, and yet over {UNNAMED} % or a message: {', '.join(row)}")
-    print(f"tables: {where}; results: {store.path}")
-    print(f"idle_over_limit: {len(over_limit)}")
+    report(Tables(store, build), store, ROOT / "doc/effects" if wanted.page else folder)
     if failed:
         sys.exit(f"{len(failed)} decks failed, see above")
+
+
+def report(tables, store, where):
+    """Write the tables, and print what costs more than it may."""
+    made = {"named": tables.named(), "events": tables.events(), "idle": tables.idle(),
+            "scenes": tables.scenes(), "options": tables.options(),
+            "unnamed": tables.unnamed(store.known.get("few", ""))}
+    made = {name: list(rows) for name, rows in made.items()}
+    for name, rows in made.items():
+        write(where, name, rows)
+    (where / "measured.txt").write_text(machine() + "\n")
+    dear, there = over(made["idle"]), unlike(made["unnamed"])
+    for row in dear:
+        print(f"idle and over {LIMIT} % of a step: {', '.join(row)}")
+    for row in there:
+        print(f"not in the deck, and yet over {UNNAMED} % or a message: {', '.join(row)}")
+    print(f"tables: {where}; results: {store.path}\nidle_over_limit: {len(dear)}")
 
 
 if __name__ == "__main__":
