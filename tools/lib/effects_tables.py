@@ -72,8 +72,9 @@ class Tables:
             shares = [number(self.added(effect, s, "instructions", "instructions")[1])
                       for s in SCENES]
             was, now = (self.get(effect, COUNTED, "instructions", v) for v in ("base", "named"))
-            both = [f"{x['iterations']:.1f}" if x and x["iterations"] else "" for x in (was, now)]
-            yield [effect.name, effect.styles[0], *shares, " to ".join(filter(None, both)),
+            both = [f"{x['iterations']:.1f}" if x["iterations"] else "none"
+                    for x in (was, now)] if was and now else []
+            yield [effect.name, effect.styles[0], *shares, " to ".join(both),
                    *self.counts(effect), *(number(self.seconds(effect, s), 0) for s in SCENES)]
 
     def events(self):
