@@ -296,7 +296,10 @@ TEST(Division, SaysWhatItCannotDo)
   settings = DivisionSettings();    // twice what fits
   settings.volume = volume(mother);
   d = grow_daughter(mother, plane, 0, round, HEPATOBLAST, settings);
-  EXPECT_NE(d.problem.find("outside its half"), std::string::npos) << d.problem;
+  // which of the two comes first hangs on round-off
+  EXPECT_TRUE(d.problem.find("outside its half") != std::string::npos ||
+              d.problem.find("folded") != std::string::npos)
+      << d.problem;
   EXPECT_TRUE(std::isfinite(d.energy));
 
   settings = DivisionSettings();
