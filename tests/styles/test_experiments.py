@@ -18,7 +18,9 @@ KB = E_COR * H_COR**3 / (12 * (1 - NU**2))
 @pytest.fixture
 def experiment(lmp):
     """experiment(name, var=value...): what a run of in.name leaves."""
-    files = {path.name: path for path in FOLDER.iterdir() if not path.name.startswith("in.")}
+    files = {
+        path.name: path for path in FOLDER.glob("*.*") if path.suffix in (".lmp", ".dcm", ".cells")
+    }
 
     def run(name, **options):
         return lmp(FOLDER / f"in.{name}", files=files, vars={"image": "no", **options})
