@@ -1,0 +1,168 @@
+"""The decks of examples/experiments, shortened: what they measure against what theory says."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+FOLDER = Path(__file__).resolve().parents[2] / "examples" / "experiments"
+# of `cell` in experiments.dcm: nN/um^2, um, nN s/um, nN s/um^3
+E_COR, H_COR, NU, GAMMA, K_V, ECM = 5.0, 0.5, 0.5, 4.0, 2.5, 1.0
+KS = 2 / math.sqrt(3) * E_COR * H_COR
+KB = E_COR * H_COR**3 / (12 * (1 - NU**2))
+
+
+@pytest.fixture
+def experiment(lmp):
+    """experiment(name, var=value...): what a run of in.name leaves."""
+    files = {
+        path.name: path for path in FOLDER.glob("*.*") if path.suffix in (".lmp", ".dcm", ".cells")
+    }
+
+    def run(name, **options):
+        return lmp(FOLDER / f"in.{name}", files=files, vars={"image": "no", **options})
+
+    return run
+
+
+def numbers(result, pattern):
+    """All numbers of the lines that `pattern` finds in what the deck printed: (lines, numbers)."""
+    lines = re.findall(f"^{pattern}.*", result.out, re.M)
+    assert lines, result.tail()
+    return np.array([[float(n) for n in re.findall(r"-?\d+\.\d+", line)] for line in lines])
+
+
+# --- shock ----------------------------------------------------------------------------------------
+
+
+def swelling(mesh, shock, times, R=6.0, rest=0.95):
+    """Volumes and pressures of a cell that swells evenly, all lengths by the factor s (t).
+
+    What the pressure and the springs do is lost in dashpots and in the friction with the medium:
+    s' (gamma sum l^2 + Gamma A R^2) = 3 p V/s - k sum (s l - l0) l, with l, A, V before the shock.
+    """
+    x, faces = mesh
+    a, b, c = (x[faces[:, k]] for k in range(3))
+    volume = np.einsum("ij,ij", a, np.cross(b, c)) / 6
+    x = x * (4 / 3 * math.pi * R**3 / volume) ** (1 / 3)
+    a, b, c = (x[faces[:, k]] for k in range(3))
+    volume = np.einsum("ij,ij", a, np.cross(b, c)) / 6
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges = np.unique(np.sort(edges), axis=0)
+    squares = (np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1) ** 2).sum()
+    radius = (x**2).sum(axis=1).mean()
+
+    def pressure(s):
+        return -K_V * np.log(s**3 / shock)
+
+    def rate(_, s):
+        drag = GAMMA * squares + ECM * s**2 * area * radius
+        return (3 * pressure(s) * s**2 * volume - KS * (s - rest) * squares) / drag
+
+    s = solve_ivp(rate, (0, times[-1]), [1.0], t_eval=times, rtol=1e-9, atol=1e-12).y[0]
+    return s**3 * volume, pressure(s)
+
+
+@pytest.mark.parametrize("shock", [1.3, 0.8])
+def test_shock(experiment, scenes, shock):
+    """Both cells, in time, to 0.2 % of the volume and half of that at rest: they swell unevenly."""
+    thermo = experiment("shock", shock=shock).thermo
+    get = {name: np.array([row[name] for row in thermo]) for name in thermo[0]}
+    for name, change in (("", shock), ("_2", 1.0)):
+        volume, pressure = swelling(scenes.icosphere(2), change, get["Time"])
+        assert abs(volume[-1] / volume[0] - 1) > 0.02
+        assert np.abs(get["volume" + name] / volume - 1).max() < 2e-3
+        assert get["volume" + name][-1] == pytest.approx(volume[-1], rel=1e-3)
+        assert get["pressure" + name][-1] == pytest.approx(pressure[-1], abs=1e-3 * K_V)
+
+
+# --- indent ---------------------------------------------------------------------------------------
+
+
+def shell(pressure, R):
+    """Force over depth of a point load on a spherical shell (Vella et al. 2012), nN/um."""
+    stiffness = math.sqrt(KB * KS)  # sqrt of bending rigidity times Young modulus of the sheet
+    tau = pressure * R**2 / (4 * stiffness)
+    if tau < 1:
+        angle = math.sqrt(1 - tau**2)
+        return 4 * math.pi * stiffness / R * angle / math.atan2(angle, tau)
+    root = math.sqrt(tau**2 - 1)
+    return 4 * math.pi * stiffness / R * root / math.atanh(root / tau)
+
+
+@pytest.mark.parametrize("rest", [1.0, 0.95])
+def test_indent(experiment, rest):
+    """Short of the shell by an error that falls with the edge, to less than 0.05 in the limit."""
+    short = []
+    for level in (3, 4):
+        result = experiment("indent", level=level, rest=rest, steps=1, by=0.02)
+        depth, _, stiffness, printed = numbers(result, "depth")[0]
+        p = result.thermo[-1]["pressure"]
+        expected = shell(p, 6.0 * math.exp(-p / K_V / 3))
+        assert printed == pytest.approx(expected, rel=0.02)
+        assert 0 < depth < 0.02
+        short.append(1 - stiffness / expected)
+    assert 0 < short[1] < short[0] < 0.2
+    assert abs(2 * short[1] - short[0]) < 0.05  # if it halves
+
+
+# --- stretch --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("T,sigma", [(0.2, 0.002), (0.4, 0.004)])
+def test_stretch(experiment, T, sigma):
+    """Creep and recoil of the mode l = 2: its strain, its time.
+
+    A radius R (1 + e P2) changes the curvature by (l-1)(l+2) e P2/R, l = 2, so that 4 T e/R holds
+    2/3 sigma, the part of sigma cos^2 along P2; friction holds the rest, ecm R e'.
+    """
+    on, off = 40 / T, 32 / T  # 4.5 and 3.6 relaxation times
+    result = experiment("stretch", T=T, sigma=sigma, on=on, off=off)
+    R = result.thermo[-1]["radius"]
+    strain, tau = 2 / 3 * sigma * R / (4 * T), ECM * R**2 / (4 * T)
+    strain *= 1 - math.exp(-on / tau)
+    assert numbers(result, "strain")[0][0] == pytest.approx(strain, rel=0.02)
+    assert numbers(result, "recoil")[0][0] == pytest.approx(tau, rel=0.03)
+
+
+# --- compress -------------------------------------------------------------------------------------
+
+
+def test_compress(experiment):
+    """At rest the virial inside is force times height; friction has a share that falls."""
+    result = experiment("compress", settle=300, hold=600, steps=1)
+    force, elastic = (np.array([r[k] for r in result.runs[-1][1:]]) for k in ("force", "elastic"))
+    friction = np.abs(1 - elastic / force)
+    assert (force > 0).all() and force[0] > force[-1]
+    assert friction[0] > 0.2 and friction[-1] < 0.1
+    strain, height = 0.02, numbers(result, "height")[0][0]
+    hertz = 4 / 3 * math.sqrt(height / 2) * (strain * height / 2) ** 1.5
+    assert numbers(result, "strain")[0][3] == pytest.approx(force[-1] / hertz, rel=1e-3)
+
+
+# --- sorting --------------------------------------------------------------------------------------
+
+
+def deviation(row, like):
+    """Standard deviation of the index of colors drawn at random on as many contacts."""
+    contacts = 79 * row["contacts"] / 2
+    return math.sqrt(like * (1 - like) / contacts) / (1 - like)
+
+
+def test_sorting(experiment):
+    """Colors without a meaning stay mixed, those that stick to their like do not."""
+    red, green = 43, 36
+    chance = (red * (red - 1) + green * (green - 1)) / (79 * 78)
+    sorted_, mixed = (
+        experiment("sorting", **options).thermo
+        for options in (dict(hours=30), dict(hours=30, W=0.05))
+    )
+    for row in (sorted_[0], *mixed):
+        assert abs(row["index"]) < 4 * deviation(row, chance)
+        assert row["index"] == pytest.approx((row["like"] - chance) / (1 - chance), abs=1e-6)
+    assert mixed[-1]["like"] != mixed[0]["like"]  # cells changed places there too
+    assert sorted_[-1]["index"] > 4 * deviation(sorted_[-1], chance)
