@@ -145,6 +145,10 @@ void FixDCMMotion::init()
   solves = iterations = rejected = 0.0;
   seconds_assembly = seconds_solve = 0.0;
   messages_start = messages.seconds;
+  if (automatic && longest == 0.0 && !(step > 0.0)) {    // the command timestep may have come after
+    given = update->dt;
+    find_limits();
+  }
   if (automatic) set_step(step > 0.0 ? step : control.round_down(update->dt));
   nshort = shortest = 0.0;
   if (shrinks && update->dt != step) {    // the deck's timestep, not what a run had come to

@@ -58,6 +58,17 @@ def test_says_what_it_chose(lmp, scenes):
     assert "solver tolerance 1e-06" in log
 
 
+@pytest.mark.parametrize("options", ["accuracy 0.04", "dt auto tol 0.02"])
+def test_timestep_may_come_after_the_fix(lmp, scenes, options):
+    """Without max the longest step is sixty times the deck's timestep, wherever that stands."""
+    scene = scenes.doublet()
+    end = lmp(scene.head() + scene.forces() + scene.motion(options=f"scheme implicit {options}")
+              + scenes.thermo(["h=dt"], 1) + "timestep 2.0\nrun 1\n")
+    assert end.thermo[0]["v_h"] >= 2.0
+    if "accuracy" in options:
+        assert "steps of 2 to 120" in end.log
+
+
 def test_warns_of_a_mesh_that_does_not_hold_it(lmp, scenes):
     """Errors of a mesh are inverse to its nodes: 42 leave four times what 162 do."""
     coarse, fine = (lmp(deck(scenes, "scheme implicit accuracy 0.05", level)).log

@@ -16,8 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 HOURS = 3.0
 SHARE = 0.01     # of the range of adhesion h0
 MOTION = ("scheme explicit", "dt auto tol 0.02 max 20", "dt auto tol 0.02 max 60",
-          "dt auto tol 0.02 max 600", "dt auto tol 0.02 max 3600", "accuracy 0.02",
-          "accuracy 0.02 dt auto max 3600")
+          "dt auto tol 0.02 max 600", "dt auto tol 0.02 max 3600", "accuracy 0.02 dt auto max 3600")
 WAY = """
 variable        way atom dt*sqrt(vx*vx+vy*vy+vz*vz)
 compute         cells dcm chunk/atom molecule nchunk every compress yes
@@ -96,8 +95,8 @@ def main():
             found = np.array(re.search(r"^at rest (\S+) (\S+)$", out, re.M).groups(), float)
             exact = found if exact is None else exact
             off = 100.0 * np.abs(found / exact - 1.0)
-            print(f"{motion:34s} {steps:6d} steps {seconds:7.2f} s; off by {off[0]:.3f} % of the "
-                  f"pressure, {off[1]:.3f} % of the elastic energy; {resting(folder, out):.0f} % of "
+            print(f"{motion:34s} {steps:6d} steps {seconds:7.2f} s; off by {off[0]:.3f} % of "
+                  f"the pressure, {off[1]:.3f} % of the elastic energy; {resting(folder, out):.0f} % of "
                   "the cells rest in a step", flush=True)
         out = run(folder, lmp, "in.grow", ["-var", "hours", "0.5", "-var", "image", "no"])
         print(f"crowd that grows: {steps_of(out)[1]} steps; {resting(folder, out):.0f} % of the "
