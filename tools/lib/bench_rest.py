@@ -96,8 +96,8 @@ def main():
             exact = found if exact is None else exact
             off = 100.0 * np.abs(found / exact - 1.0)
             print(f"{motion:34s} {steps:6d} steps {seconds:7.2f} s; off by {off[0]:.3f} % of "
-                  f"the pressure, {off[1]:.3f} % of the elastic energy; {resting(folder, out):.0f} % of "
-                  "the cells rest in a step", flush=True)
+                  f"the pressure, {off[1]:.3f} % of the elastic energy; "
+                  f"{resting(folder, out):.0f} % of the cells rest in a step", flush=True)
         out = run(folder, lmp, "in.grow", ["-var", "hours", "0.5", "-var", "image", "no"])
         print(f"crowd that grows: {steps_of(out)[1]} steps; {resting(folder, out):.0f} % of the "
               "cells rest in a step")
