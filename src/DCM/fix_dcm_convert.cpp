@@ -142,12 +142,24 @@ bool FixDCMConvert::held(int row) const
   return end - cell->cells().time() > 1.0e-9 * hold;
 }
 
+/* ----------------------------------------------------------------------
+   is the group empty, on all processes?
+------------------------------------------------------------------------- */
+
+bool FixDCMConvert::nobody() const
+{
+  int any = 0;
+  for (int i = 0; i < atom->nlocal; i++) any |= atom->mask[i] & groupbit;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_BOR, world);
+  return any == 0;
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixDCMConvert::initial_integrate(int /*vflag*/)
 {
   changing.clear();
-  if (update->ntimestep % nevery) return;
+  if (update->ntimestep % nevery || nobody()) return;
   const auto &table = cell->cells();
   const auto cells = DCMCellTable::gather(lmp, true);
   rule->look(cells);

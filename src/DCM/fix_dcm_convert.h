@@ -75,6 +75,7 @@ class FixDCMConvert : public Fix, public DCMRole {
   bigint counts[2];    // to deformable, to center-based
 
   void parse(int, char **);
+  bool nobody() const;
   bool held(int row) const;
   void changed(tagint molecule, int type, bool to_deformable, double volume0);
   std::vector<dcm::Ball> neighbors_of(tagint, const dcm::Vec3 &, const Cells &) const;

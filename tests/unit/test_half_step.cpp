@@ -73,6 +73,15 @@ TEST(HalfStep, FloorLetsCellsRest)
   EXPECT_LT(with.worst, 0.01);
 }
 
+TEST(HalfStep, ErrorsGoAsTheAccuracyWhereTheFloorDecides)
+{
+  // a cell so large against its way, which is 1, that A of the way is less than the floor
+  const double R = 100.0, coarse = 0.04, fine = 0.01;
+  const Relaxation one(coarse, 0.01, accuracy_floor(coarse, R), 500.0);
+  const Relaxation other(fine, 0.01, accuracy_floor(fine, R), 500.0);
+  EXPECT_NEAR(one.worst / other.worst, coarse / fine, 0.35 * coarse / fine);
+}
+
 TEST(HalfStep, ChecksWhatIsLongerAtOnce)
 {
   HalfStep half;
@@ -92,7 +101,7 @@ TEST(HalfStep, ChecksWhatIsLongerAtOnce)
 TEST(Accuracy, LengthsScaleWithTheCells)
 {
   EXPECT_DOUBLE_EQ(accuracy_step(0.02, 12.0), 2.0 * accuracy_step(0.02, 6.0));
-  EXPECT_DOUBLE_EQ(accuracy_floor(0.04, 6.0), 2.0 * accuracy_floor(0.02, 6.0));
+  EXPECT_DOUBLE_EQ(accuracy_floor(0.02, 12.0), 2.0 * accuracy_floor(0.02, 6.0));
   EXPECT_NEAR(mesh_error(mesh_nodes(0.03)), 0.03, 1e-12);
   EXPECT_NEAR(range_error(1e-3, 7e-3), range_error(1.0, 7.0), 1e-12);
   EXPECT_LE(accuracy_tolerance(0.2), 1e-2);

@@ -25,10 +25,11 @@ inline double accuracy_step(double A, double R)
   return A * R / 6.0;
 }
 
-/// How far a cell may be off in a step in which it hardly moves (length).
+/// How far a cell may be off in a step in which it hardly moves (length). Steps that it decides go
+/// as its root, and so does what they leave: A^2 makes that A.
 inline double accuracy_floor(double A, double R)
 {
-  return A * R / 100.0;
+  return 0.2 * A * A * R;
 }
 
 /// Relative error that cells of so many nodes leave in areas and forces of contacts: of second
