@@ -113,7 +113,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
     // as those of newborn cells do, and do not touch
 
     const auto &face = faces[fi], &other = faces[gi];
-    const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(-g.n.dot(r.u));
+    const double weight = set.facing(f.n.dot(r.u)) * set.facing(-g.n.dot(r.u));
     const double overlap = -apart.dot(r.u);
     const double limit = std::min(bears[face.cell], bears[other.cell]);
     const double depth = std::max({overlap, g.n.dot(apart), -f.n.dot(apart)});
@@ -186,7 +186,7 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mi
     }
     const auto &face = faces[fi];
     if (!std::isfinite(r.force)) fail_pair(face.atom, j, r.delta, radius, r.force);
-    const double weight = dcm::facing(f.n.dot(r.u)) * dcm::facing(r.tilt);
+    const double weight = set.facing(f.n.dot(r.u)) * set.facing(r.tilt);
     if (HISTORY) *mixed_touch[n] = weight > 0.0;
     if (!(weight > 0.0)) continue;
     r.scale(weight);

@@ -167,6 +167,7 @@ class PairDCMContact : public Pair, public DCMRole {
     double h0 = 0.35, rmax = 10.0;
     double range = 0.0, maxoverlap = 0.0;    // 0: choose
     double growth = 0.0;                     // of radii, 0: choose
+    dcm::Facing facing;
   } set;
   double h0_used = 0.0, range_used = 0.0, overlap_used = 0.0;
   double own_cutoff = 0.0;         // ghost cutoff set here

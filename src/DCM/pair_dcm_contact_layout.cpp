@@ -36,7 +36,7 @@ using dcm::vec;
 using dcm::Vec3;
 
 static const std::string STYLE = "Pair style dcm/contact";
-static constexpr int RECORD = 3;    // version of the restart record
+static constexpr int RECORD = 4;    // version of the restart record
 
 // the mesh of faces that no run has seen yet may be twice as coarse as was guessed
 

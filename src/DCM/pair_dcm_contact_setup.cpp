@@ -23,6 +23,7 @@
 #include "fix_dcm_cell.h"
 #include "fix_neigh_history.h"
 #include "force.h"
+#include "math_const.h"
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
@@ -117,9 +118,9 @@ void PairDCMContact::allocate()
 void PairDCMContact::settings(int narg, char **arg)
 {
   Settings now;
-  DCMArgs args(
-      lmp, STYLE, narg, arg,
-      {"law", "branch", "points", "h0", "rmax", "range", "concave", "maxoverlap", "growth"});
+  DCMArgs args(lmp, STYLE, narg, arg,
+               {"law", "branch", "points", "h0", "rmax", "range", "concave", "maxoverlap", "growth",
+                "facing"});
   while (args.next()) {
     if (args.is("law")) {
       now.law = args.choose(law_names());
@@ -139,6 +140,13 @@ void PairDCMContact::settings(int narg, char **arg)
       now.range = args.number(DCMArgs::POSITIVE);
     } else if (args.is("maxoverlap")) {
       now.maxoverlap = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("facing")) {
+      args.need(2);
+      const double full = args.number(DCMArgs::NONNEGATIVE);
+      const double none = args.number(DCMArgs::POSITIVE);
+      args.check(full < none && none <= 90.0, "two angles in degrees, of full weight and of none, "
+                                              "0 <= A1 < A2 <= 90");
+      now.facing = {std::cos(MathConst::DEG2RAD * none), std::cos(MathConst::DEG2RAD * full)};
     } else {
       now.growth = args.number(DCMArgs::POSITIVE);
       args.check(now.growth >= 1.0, "at least 1 (no growth)");

@@ -84,6 +84,9 @@ CONTACT = {
     "range": ("range 0", "", "range is 0.*positive"),
     "range below h0": ("h0 0.2 range 0.1", "", "range is 0.1.*below h0"),
     "maxoverlap": ("maxoverlap -1", "", "maxoverlap is -1.*positive"),
+    "facing, one": ("facing 40", "", "facing needs 2 values, got 1"),
+    "facing, swapped": ("facing 50 40", "", "facing is .*0 <= A1 < A2 <= 90"),
+    "facing, far": ("facing 50 100", "", "facing is 100.*0 <= A1 < A2 <= 90"),
     "growth": ("growth 0.9", "", "growth is 0.9.*at least 1"),
 }
 

@@ -253,3 +253,35 @@ def test_what_it_sets_in_lammps_goes_with_it(lmp, scenes, then, np_):
         result = lmp(deck + start + nexts + "run 0\n", np=np_)
         found.append(float(re.findall(seen, result.out)[-1]))
     assert found[0] == found[1] > 0.0
+
+
+# --- tilted faces ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("sphere", [False, True])
+def test_facing(lmp, scenes, sphere):
+    """Two bodies of radius 6 that overlap by less than 2 um touch where their surfaces are tilted
+    by less than acos(5/6) = 34 degrees: what is given above that changes nothing, and faces that
+    would have to be tilted by less than a hundredth of a degree do not touch."""
+
+    def forces(style):
+        scene = scenes.Scene(20.0, "s s s", level=2)
+        scene.dcm(-5.5, 0.0, 0.0, 6.0)
+        if sphere:
+            scene.cbm(5.5, 0.4, 0.3, 6.0)
+        else:
+            scene.dcm(5.5, 0.4, 0.3, 6.0)
+        result = lmp(scene.head() + scene.cortex() + scene.contact(f"law foundation {style}")
+                     + "fix cell all dcm/cell\n" + scenes.dump("id fx fy fz", 1)
+                     + "compute c all dcm/cell contact_area\ncompute a all reduce sum c_c\n"
+                     + scenes.thermo(["c_a"]) + "run 0\n")
+        frame = result.dump()[0]
+        return (np.array([frame[c] for c in ("fx", "fy", "fz")]), result.thermo[0]["c_a"])
+
+    usual, area = forces("")
+    assert area > 5.0
+    for style in ("facing 40 50", "facing 60 70", "facing 89 90"):
+        other, same = forces(style)
+        assert np.array_equal(other, usual) and same == area, style
+    assert 0.0 < forces("facing 5 15")[1] < 0.8 * area
+    assert forces("facing 0 0.01")[1] == 0.0

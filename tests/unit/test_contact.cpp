@@ -160,6 +160,23 @@ void brute(const State &s, const Vec3 v[3], const Vec3 &axis, const Vec3 &u, con
 
 }    // namespace
 
+// smooth in the cosine, as between two and one: 1/2 in the middle, no slope at the ends
+TEST(Facing, FadesOutBetweenTwoAngles)
+{
+  const double deg = EIGEN_PI / 180.0;
+  const Facing usual, narrow{std::cos(20.0 * deg), std::cos(10.0 * deg)};
+  for (const auto &[weight, full, none] :
+       {std::tuple(usual, 40.0, 50.0), std::tuple(narrow, 10.0, 20.0)}) {
+    const double a = std::cos(none * deg), b = std::cos(full * deg), e = 1e-4 * (b - a);
+    EXPECT_EQ(weight(a - e), 0.0);
+    EXPECT_EQ(weight(b + e), 1.0);
+    EXPECT_EQ(weight(-b), 0.0);
+    EXPECT_NEAR(weight(0.5 * (a + b)), 0.5, 1e-12);
+    EXPECT_NEAR(weight(a + e), 0.0, 1e-6);
+    EXPECT_NEAR(weight(b - e), 1.0, 1e-6);
+  }
+}
+
 TEST(FaceSphere, PassesThroughTheVertices)
 {
   Random random = rng(20);

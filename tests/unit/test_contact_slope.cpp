@@ -324,7 +324,7 @@ TEST(ContactStiffness, IsTheLargestPartOfTheJacobian)
     ContactResult r;
     const FaceGeometry f = pair.face(0), g = pair.face(1);
     if (!face_face<FoundationState, true>(f, g, m, 2, r) || !(r.slope > 0.0)) continue;
-    if (facing(f.n.dot(r.u)) * facing(-g.n.dot(r.u)) < 1.0) continue;
+    if (Facing()(f.n.dot(r.u)) * Facing()(-g.n.dot(r.u)) < 1.0) continue;
     const MatrixXd full = minus_jacobian<FoundationState>(pair, m, r.u);
     const MatrixXd K = 0.5 * (full + full.transpose()), mean = block(r.slope, r.bf, r.bg);
     const MatrixXd B = mean + tilt_block(f, g, r);

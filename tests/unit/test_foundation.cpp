@@ -305,7 +305,7 @@ TEST(Foundation, NoContactAcrossAGap)
   }
   const FaceGeometry f = face(Vec3(0, 0, 0), Vec3(0, 0, 1));
   const Vec3 sphere(6.7, 0.0, 0.7);
-  EXPECT_TRUE(!face_sphere<FoundationState>(f, sphere, 6.0, m, 1, r) || facing(r.tilt) == 0.0);
+  EXPECT_TRUE(!face_sphere<FoundationState>(f, sphere, 6.0, m, 1, r) || Facing()(r.tilt) == 0.0);
   ASSERT_TRUE(face_sphere<FoundationState>(f, Vec3(1.0, 0.0, 5.8), 6.0, m, 1, r));
-  EXPECT_EQ(facing(r.tilt), 1.0);
+  EXPECT_EQ(Facing()(r.tilt), 1.0);
 }

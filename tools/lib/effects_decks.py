@@ -203,6 +203,7 @@ EFFECTS = [
            dict(contact="law maugis branch history"), dict(contact="law maugis")),
     Effect("law maugis, points 4", ("pair_style dcm/contact",),
            dict(contact="law maugis points 4"), dict(contact="law maugis")),
+    Effect("contact, facing", ("pair_style dcm/contact",), dict(contact="facing 45 60")),
     Effect("contact, concave negative", ("pair_style dcm/contact",),
            dict(contact="concave negative")),
     Effect("contact, shared space in every step", ("pair_style dcm/contact",), dict(thermo="1")),

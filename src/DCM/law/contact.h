@@ -286,15 +286,18 @@ namespace detail {
 }    // namespace detail
 
 /// How far a face looks along the axis of a contact, from the cosine between its normal and the
-/// axis: 0 when tilted by more than 50 degrees, 1 below 40 degrees, smooth between. Faces of
+/// axis: 0 when tilted by more than `none` degrees, 1 below `full`, smooth between. Faces of
 /// surfaces that touch look at each other; what the sphere of a tilted face reports beside an edge
 /// or fold of its own cell is no contact. For the caller: the law itself is exact at any tilt.
-inline double facing(double cosine)
-{
-  constexpr double NONE = 0.64278760968653933, FULL = 0.76604444311897804;
-  const double s = std::min(std::max((cosine - NONE) / (FULL - NONE), 0.0), 1.0);
-  return s * s * (3.0 - 2.0 * s);
-}
+struct Facing {
+  double none = 0.64278760968653933, full = 0.76604444311897804;    // cosines: 50, 40 degrees
+
+  double operator()(double cosine) const
+  {
+    const double s = std::min(std::max((cosine - none) / (full - none), 0.0), 1.0);
+    return s * s * (3.0 - 2.0 * s);
+  }
+};
 
 /// Contact of two faces.
 /// \param npoints  Gauss points per edge piece inside the core of the contact, 1 to 4

@@ -69,9 +69,9 @@ def timestep(step):
 
 
 def pair(settings):
-    """Command pair_style for settings law, h0 (empty: the default) and points."""
+    """Command pair_style for settings law, h0, points and facing (empty: the default)."""
     words = ["pair_style      dcm/contact law", settings["law"]]
-    for name in ("h0", "points"):
+    for name in ("h0", "points", "facing"):
         if settings.get(name):
             words += [name, settings[name]]
     return " ".join(words)

@@ -133,6 +133,7 @@ def doublet(full):
         dict(layer="0.025"), dict(layer="0.05"), order=1.0))
     knobs.append(Knob("law", "doublet", "model", tuple(
         Value(f"law {x}", None, dict(law=x)) for x in ("foundation", "dmt", "maugis")), {}))
+    knobs.append(facing("doublet"))
     for law in ("dmt",):
         knobs.append(Knob(f"dt, explicit, law {law}", "doublet", "time", tuple(
             Value(f"explicit {dt:g} s", dt, dict(law=law, step=f"explicit {dt:g}"))
@@ -142,6 +143,13 @@ def doublet(full):
         Value(f"points {n}", None, dict(law="maugis", points=n)) for n in ("1", "2", "3")),
         dict(law="maugis", points="4"), dict(law="maugis", points="3"), ratio=2.0))
     return knobs
+
+
+def facing(scene):
+    """Angles between which tilted faces fade out, against the default, 40 to 50 degrees."""
+    return Knob("facing window", scene, "model", tuple(
+        Value(f"facing {a}", None, dict(facing=a))
+        for a in ("20 30", "30 40", "35 55", "45 60", "60 75", "75 89")), {})
 
 
 def compress(full):
@@ -161,6 +169,7 @@ def spheroid(full):
     knobs = motion_knobs("spheroid", (2, 1, 0.5), (60, 20, 10, 5, 2, 1), 0.25,
                          ("120", "60", "30", "20", "10"))
     knobs.append(mesh("spheroid", 5 if full else 4, turned(1, 2, 3, 4)))
+    knobs.append(facing("spheroid"))
     knobs.append(Knob("tolerance of division", "spheroid", "division", tuple(
         Value(f"tolerance {t}", float(t) if float(t) > 1e-4 else None, dict(division=t))
         for t in ("0.1", "0.01", "0.003", "1e-3", "3e-4", "1e-5")), dict(division="1e-4"),
@@ -171,6 +180,7 @@ def spheroid(full):
 def bile_duct(full):
     knobs = motion_knobs("bile_duct", (2, 1), (60, 20, 10, 5, 2.5), 0.25,
                          ("120", "60", "30", "20", "10"))
+    knobs.append(facing("bile_duct"))
     knobs.append(mesh("bile_duct", 4, turned(1, 2, 3) if full else turned(1, 2)))
     knobs.append(Knob("neighbor skin", "bile_duct", "cost", tuple(
         Value(f"skin {x} um", float(x), dict(skin=x)) for x in ("0.3", "0.5", "1.0", "1.5", "2.0")),

@@ -40,7 +40,7 @@ class Scene:
     number, seconds, speed = 1, 2000.0, 1e-6
     defaults, quantities = {}, ()
     common = dict(level="2", seed="1", step="auto 0.02", longest="60", tolerance="1e-3",
-                  law="foundation", h0="", points="", layer="0.1", skin="1.0")
+                  law="foundation", h0="", points="", facing="", layer="0.1", skin="1.0")
 
     def settings(self, changes):
         """Defaults with `changes`; names a setting that there is not."""
