@@ -119,6 +119,16 @@ class DCMRole {
   {
   }
 
+  // ---- bodies that move as the deck says. Bits of the groups whose nodes and spheres this style
+  // moves; mean velocity of one of them, an owned atom, over a step of length dt from now; and what
+  // the others do to it: none yet, then the force on each owned atom (nN)
+
+  virtual int moved_bits() const { return 0; }
+  virtual int solved_bits() const { return 0; }    // and of what it solves for (MOVES)
+  virtual void move_body(int /*i*/, double /*dt*/, double * /*v*/) {}
+  virtual void begin_load() {}
+  virtual void add_load(int /*i*/, const double * /*force*/) {}
+
   // ---- steps of chosen length; the same on all processes: time from now to the next event that a
   // step should end at (a cell gets ready), and the longest step that the style's own scheme in
   // time stands (a ramp, a controller)

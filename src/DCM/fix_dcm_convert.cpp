@@ -23,6 +23,7 @@
 #include "domain.h"
 #include "error.h"
 #include "fix_dcm_cell.h"
+#include "group.h"
 #include "modify.h"
 #include "update.h"
 
@@ -112,6 +113,16 @@ int FixDCMConvert::setmask()
   return INITIAL_INTEGRATE | PRE_EXCHANGE;
 }
 
+/* ----------------------------------------------------------------------
+   no list is laid out for spheres to come where the group has nobody, and gets nobody in a run
+------------------------------------------------------------------------- */
+
+unsigned FixDCMConvert::traits() const
+{
+  if (!group->dynamic[igroup] && group->count(igroup) == 0) return 0U;
+  return MAKES_CELLS | GROWS_SPHERES;
+}
+
 void FixDCMConvert::init()
 {
   nevery = look_every(lmp, every, 100);
@@ -127,7 +138,7 @@ void FixDCMConvert::init()
   rule->init(this, cell);
   DCMCellSurgery::require_laws(lmp, STYLE);
   DCMCellSurgery::check_order(lmp, this, STYLE);
-  DCMCellBuilder(lmp, STYLE, false).reserve_slots(top.slots);
+  if (traits()) DCMCellBuilder(lmp, STYLE, false).reserve_slots(top.slots);
   next_reneighbor = -1;
 }
 

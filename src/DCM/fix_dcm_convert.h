@@ -47,7 +47,7 @@ class FixDCMConvert : public Fix, public DCMRole {
   double compute_vector(int) override;
 
   // a deformable cell may be larger than all spheres so far
-  unsigned traits() const override { return MAKES_CELLS | GROWS_SPHERES; }
+  unsigned traits() const override;
 
  private:
   using Cells = DCMConvertRule::Cells;

@@ -58,6 +58,8 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   given = least = longest = radius = 0.0;
   step = wanted = error_of_step = rejected = 0.0;
   nshort = shortest = 0.0;
+  read_time = 0.0;
+  read_timestep = -1;
 
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
                {"tolerance", "maxiter", "precondition", "maxmove", "floor", "scheme", "dt",
@@ -134,6 +136,7 @@ void FixDCMMotion::init()
   dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::NODE, AtomVecDCM::SPHERE});
   check_deck();
   roles = DCMRole::of(lmp);
+  find_movers();
   if ((automatic || shrinks) && (traits_of(lmp) & FIXED_STEP))
     error->all(FLERR,
                "{}: {} does not go with a fix dcm/motility whose random force is drawn for each "
@@ -150,6 +153,7 @@ void FixDCMMotion::init()
     find_limits();
   }
   if (automatic) set_step(step > 0.0 ? step : control.round_down(update->dt));
+  if (automatic) take_time();
   nshort = shortest = 0.0;
   if (shrinks && update->dt != step) {    // the deck's timestep, not what a run had come to
     given = update->dt;
@@ -178,8 +182,10 @@ void FixDCMMotion::check_deck()
       continue;
     }
     if (other->time_integrate && !dynamic_cast<DCMRole *>(other))
-      error->all(FLERR, "{} and fix {} ({}) both move atoms; unfix one of them", STYLE, other->id,
-                 other->style);
+      error->all(FLERR,
+                 "{} and fix {} ({}) both move atoms; unfix one of them (bodies that move as the "
+                 "deck says: fix dcm/move)",
+                 STYLE, other->id, other->style);
     if ((automatic || shrinks) && utils::strmatch(other->style, "^dt/reset"))
       error->all(FLERR, "{}: fix {} ({}) changes the time step, and so does {}; unfix one", STYLE,
                  other->id, other->style, automatic ? "dt auto" : "maxmove shrink");
@@ -254,7 +260,7 @@ void FixDCMMotion::initial_integrate(int /*vflag*/)
   for (int i = 0; i < nlocal; i++) {
     const int kind = dcm->kind[i];
     if (kind == AtomVecDCM::TRACER) continue;
-    if ((kind == AtomVecDCM::NODE || kind == AtomVecDCM::SPHERE) && !(atom->mask[i] & groupbit))
+    if ((kind == AtomVecDCM::NODE || kind == AtomVecDCM::SPHERE) && !(atom->mask[i] & moving))
       continue;
     x[i][0] += dt * v[i][0];
     x[i][1] += dt * v[i][1];
@@ -283,7 +289,8 @@ void FixDCMMotion::solve(double keep)
   const double after = messages.seconds;
 
   check_move();
-  if (last.status != dcm::FrictionResult::KEPT) spread_velocity();
+  if (!movers.empty()) find_loads();
+  if (last.status != dcm::FrictionResult::KEPT || !movers.empty()) spread_velocity();
 
   seconds_solve += solved - assembled - (after - between);
   seconds_assembly += platform::walltime() - solved + (assembled - start) - (between - before);
@@ -295,13 +302,14 @@ void FixDCMMotion::solve(double keep)
 
 bool FixDCMMotion::solve_system(double dt, double keep)
 {
-  if (implicit) {
-    look_ahead(dt);
-    last = solver.solve(dcm::StepSystem(system, stiffness, dt), rhs.data(), velocity.data(),
-                        messages, keep);
-  } else {
-    last = solver.solve(system, rhs.data(), velocity.data(), messages, keep);
-  }
+  if (implicit) look_ahead(dt);
+  const double *const forces = movers.empty() ? rhs.data() : without_bodies(dt);
+  if (implicit)
+    last = solver.solve(dcm::StepSystem(system, stiffness, dt), forces, velocity.data(), messages,
+                        keep);
+  else
+    last = solver.solve(system, forces, velocity.data(), messages, keep);
+  if (!movers.empty()) add_bodies();
   check_solution();
   solves += 1.0;
   iterations += last.iterations;
@@ -422,12 +430,15 @@ void FixDCMMotion::check_solution()
 
 /* ----------------------------------------------------------------------
    what the displacement of a node or sphere is measured in: the mean edge of its own cell, its
-   radius
+   radius; for a body that is moved, which may be large, the mean edge of all cells if that is less
 ------------------------------------------------------------------------- */
 
 double FixDCMMotion::scale_of_move(int i) const
 {
-  return dcm->kind[i] == AtomVecDCM::NODE ? cell->mean_edge(cell->cell_of(i)) : atom->radius[i];
+  const double own =
+      dcm->kind[i] == AtomVecDCM::NODE ? cell->mean_edge(cell->cell_of(i)) : atom->radius[i];
+  const double mean = cell->mean_edge();
+  return (atom->mask[i] & moving & ~groupbit) && mean > 0.0 ? std::min(own, mean) : own;
 }
 
 /* ----------------------------------------------------------------------
@@ -535,6 +546,8 @@ std::string FixDCMMotion::work()
 double FixDCMMotion::memory_usage()
 {
   return system.memory_usage() + stiffness.memory_usage() + solver.memory_usage() +
-         (double) sizeof(double) * (owner.capacity() + rhs.capacity() + velocity.capacity()) +
+         (double) sizeof(double) *
+             (owner.capacity() + rhs.capacity() + velocity.capacity() + given_velocity.capacity() +
+              load.capacity()) +
          (double) sizeof(int) * face_slots.capacity() + unknowns.memory_usage();
 }

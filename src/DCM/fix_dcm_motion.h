@@ -35,7 +35,8 @@ namespace LAMMPS_NS {
 // Overdamped motion: once a step, solve Gamma v = F (scheme explicit) or (Gamma + dt K) v = F
 // (scheme implicit) for all nodes and spheres of the group, then x += dt v. Gamma is the sum of ECM
 // friction and of what the styles of the deck contribute (DCMRole), cortex dashpots and contact
-// friction among them, and so is the stiffness K. Nodes and spheres outside the group are fixed.
+// friction among them, and so is the stiffness K. Nodes and spheres outside the group are fixed,
+// or move as another style says (DCMRole::moved_bits()).
 // Doc page fix_dcm_motion.
 
 class FixDCMMotion : public Fix, public DCMRole {
@@ -63,6 +64,7 @@ class FixDCMMotion : public Fix, public DCMRole {
     return MOVES | (implicit ? IMPLICIT : 0U) | (automatic ? CHOOSES_STEP : 0U) |
            (shrinks ? SHORTENS_STEP : 0U);
   }
+  int solved_bits() const override { return groupbit; }
   std::string work() override;
 
  private:
@@ -88,6 +90,12 @@ class FixDCMMotion : public Fix, public DCMRole {
   std::vector<double> rhs, velocity;    // dcm::STRIDE per slot
   std::vector<double> cell_sums;
 
+  // bodies that others move: their velocities go to the right-hand side
+
+  std::vector<DCMRole *> movers;
+  int moving;                                  // bits of the groups of all that moves
+  std::vector<double> given_velocity, load;    // dcm::STRIDE per slot
+
   // dt auto, and maxmove X shrink
 
   dcm::StepControl control;
@@ -99,6 +107,8 @@ class FixDCMMotion : public Fix, public DCMRole {
   double least, longest;               // keywords min and max, 0: from that timestep
   double stop;                         // time at which runs end, infinite: never
   bool ended;                          // that time has come
+  double read_time;                    // of a restart file: atime and atimestep of LAMMPS' Update;
+  bigint read_timestep;                // -1: there is none, or it has been taken
   double nshort, shortest;             // steps shorter than the timestep since the start of the run
   double error_of_step, rejected;      // of the coming step; since the start of the run
   std::vector<double> before;          // velocities of the last step, dcm::STRIDE per slot
@@ -128,11 +138,18 @@ class FixDCMMotion : public Fix, public DCMRole {
   double check_half(double);
   void look_ahead(double);
   bool solve_system(double, double);
+  DCMRole *mover_of(int) const;
+  void apply(double, double *, double *);
+  const double *without_bodies(double);
+  void add_bodies();
+  void find_loads();
+  void find_movers();
   void choose_step(double);
   void shrink_step(double);
   double until_event(double);
   void begin_step(double);
   void set_step(double);
+  void take_time();
   void parse_step(class DCMArgs &);
   void count_short();
   void tell_short();

@@ -35,7 +35,7 @@ using namespace LAMMPS_NS;
 using dcm::STRIDE;
 
 static const char STYLE[] = "Fix dcm/motion";
-static constexpr int RECORD = 2;    // version of the restart record
+static constexpr int RECORD = 3;    // version of the restart record
 
 // the steps of dt auto, where the deck does not say: from the timestep of the deck on, up to this
 // times as much
@@ -295,6 +295,8 @@ void FixDCMMotion::write_restart(FILE *fp)
   record.put(half.limit);
   record.put(half.checked);
   record.put(half.since);
+  record.put(update->atime);
+  record.put(update->atimestep);
   record.write(fp);
 }
 
@@ -310,5 +312,24 @@ void FixDCMMotion::restart(char *buf)
   record.get(half.limit);
   record.get(half.checked);
   record.get(half.since);
+  record.get(read_time);
+  record.get(read_timestep);
   find_limits();
+}
+
+/* ----------------------------------------------------------------------
+   the time is counted from the last change of the timestep. A command timestep behind read_restart
+   counts it from there, which is the same but for the last digit, and that for events and variables
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::take_time()
+{
+  if (read_timestep < 0) return;
+  const double now = cell->cells().time();
+  const double read = read_time + (double) (update->ntimestep - read_timestep) * update->dt;
+  if (std::fabs(now - read) <= 1e-12 * std::fabs(now)) {
+    update->atime = read_time;
+    update->atimestep = read_timestep;
+  }
+  read_timestep = -1;
 }

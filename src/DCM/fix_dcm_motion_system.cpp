@@ -8,21 +8,28 @@
    See the README file in the top-level LAMMPS directory.
 ------------------------------------------------------------------------- */
 
-// the friction system of fix dcm/motion: who contributes to it, and its own part
+// the friction system of fix dcm/motion: who contributes to it, its own part, and what bodies that
+// others move do in it
 
 #include "fix_dcm_motion.h"
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "error.h"
 #include "fix_dcm_cell.h"
 #include "math_const.h"
+#include "update.h"
 
 #include <algorithm>
+#include <limits>
 
 using namespace LAMMPS_NS;
 using dcm::STRIDE;
 using MathConst::MY_4PI;
+
+static const char STYLE[] = "Fix dcm/motion";
+static constexpr double BIG = std::numeric_limits<double>::max();
 
 /* ----------------------------------------------------------------------
    after a rebuild of the neighbor lists: number the unknowns; contributors list what stays until
@@ -36,7 +43,11 @@ void FixDCMMotion::make_slots()
     owner.assign(atom->nlocal + atom->nghost, comm->me);
     comm->forward_comm(this, 1);
   }
-  unknowns.number(groupbit, owner);
+  unknowns.number(moving, owner);
+  solver.given.clear();
+  if (!movers.empty())
+    for (int s = 1; s <= system.nowned; s++)
+      if (mover_of(unknowns.atom_of(s))) solver.given.push_back(s);
   messages.cells = &cell->shared_cells();
 
   face_slots.resize(3 * (size_t) cell->nowned());
@@ -119,5 +130,120 @@ void FixDCMMotion::add_ecm()
     if (dcm->kind[i] != AtomVecDCM::SPHERE) continue;
     const double r = atom->radius[i];
     system.ecm[s] += friction[type[i]] * free_area(i, MY_4PI * r * r);
+  }
+  for (const int s : solver.given) system.ecm[s] = 0.0;    // it is no load of the body
+}
+
+/* ----------------------------------------------------------------------
+   those who move bodies
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::find_movers()
+{
+  movers.clear();
+  moving = groupbit;
+  for (auto *const role : roles) {
+    const int bits = role->moved_bits();
+    if (bits == 0) continue;
+    int any = 0;
+    for (int i = 0; i < atom->nlocal; i++)
+      if (unknowns.moves(i, bits)) any = 1;
+    MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
+    if (!any) continue;
+    movers.push_back(role);
+    moving |= bits;
+  }
+
+  // what does not move and has one velocity has it from command velocity, and loses it in silence:
+  // that of what moved in an earlier run differs from place to place
+
+  double extent[7] = {-BIG, -BIG, -BIG, -BIG, -BIG, -BIG, 0.0};    // largest of v, of -v; number
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::NODE && dcm->kind[i] != AtomVecDCM::SPHERE) continue;
+    if (atom->mask[i] & moving) continue;
+    extent[6] = 1.0;
+    for (int k = 0; k < 3; k++) {
+      extent[k] = std::max(extent[k], atom->v[i][k]);
+      extent[3 + k] = std::max(extent[3 + k], -atom->v[i][k]);
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, extent, 7, MPI_DOUBLE, MPI_MAX, world);
+  if (extent[6] == 0.0 || comm->me != 0) return;
+  bool same = true, rest = true;
+  for (int k = 0; k < 3; k++) {
+    same = same && extent[k] == -extent[3 + k];
+    rest = rest && extent[k] == 0.0;
+  }
+  if (same && !rest)
+    error->warning(FLERR,
+                   "{}: nodes and spheres outside its group have the velocity {:.4g} {:.4g} {:.4g} "
+                   "and will stay where they are all the same; fix dcm/move moves them",
+                   STYLE, extent[0], extent[1], extent[2]);
+}
+
+DCMRole *FixDCMMotion::mover_of(int i) const
+{
+  for (auto *const mover : movers)
+    if (atom->mask[i] & mover->moved_bits()) return mover;
+  return nullptr;
+}
+
+/* ----------------------------------------------------------------------
+   y = (Gamma + dt K) p, p of owned unknowns
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::apply(double dt, double *p, double *y)
+{
+  messages.forward(p);
+  if (implicit)
+    dcm::StepSystem(system, stiffness, dt).apply(p, y, messages);
+  else
+    system.apply(p, y, messages);
+  messages.reverse(y, STRIDE, 3);
+}
+
+/* ----------------------------------------------------------------------
+   forces on what is solved for, less what the velocities of moved bodies come to in a step of
+   length dt: those are no unknowns
+------------------------------------------------------------------------- */
+
+const double *FixDCMMotion::without_bodies(double dt)
+{
+  const size_t n = STRIDE * ((size_t) system.nall + 1);
+  given_velocity.assign(n, 0.0);
+  load.resize(n);
+  for (const int s : solver.given) {
+    const int i = unknowns.atom_of(s);
+    mover_of(i)->move_body(i, dt, &given_velocity[STRIDE * (size_t) s]);
+  }
+  apply(dt, given_velocity.data(), load.data());
+  for (size_t m = 0; m < STRIDE * ((size_t) system.nowned + 1); m++) load[m] = rhs[m] - load[m];
+  for (const int s : solver.given)
+    for (int k = 0; k < STRIDE; k++) load[STRIDE * s + k] = velocity[STRIDE * s + k] = 0.0;
+  return load.data();
+}
+
+void FixDCMMotion::add_bodies()
+{
+  for (const int s : solver.given)
+    for (int k = 0; k < 3; k++) velocity[STRIDE * s + k] = given_velocity[STRIDE * s + k];
+  messages.forward(velocity.data());
+}
+
+/* ----------------------------------------------------------------------
+   what the others do to moved bodies in the step that was solved
+------------------------------------------------------------------------- */
+
+void FixDCMMotion::find_loads()
+{
+  const double dt = update->dt;
+  if (implicit) look_ahead(dt);    // it may have been that of another length
+  apply(dt, velocity.data(), load.data());
+  for (auto *const mover : movers) mover->begin_load();
+  for (const int s : solver.given) {
+    const int i = unknowns.atom_of(s);
+    double force[3];
+    for (int k = 0; k < 3; k++) force[k] = rhs[STRIDE * s + k] - load[STRIDE * s + k];
+    mover_of(i)->add_load(i, force);
   }
 }

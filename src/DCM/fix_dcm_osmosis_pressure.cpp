@@ -96,10 +96,11 @@ double FixDCMOsmosis::power() const
 {
   double sum = 0.0;
   if (acting == 0.0) return sum;
-  const double *const normals = cell->normals();
+  const double *normals = nullptr;    // no face is marked in most steps of most runs
   for (int f = 0; f < cell->nowned(); f++) {
     const double part = free_part(f);
     if (part == 0.0) continue;
+    if (!normals) normals = cell->normals();
     const Vec3 third = dcm::lumen_force(acting, part, vec(&normals[3 * (size_t) f]));
     sum += 3.0 * third.dot(vec(atom->v[cell->faces()[f].atom]));
   }

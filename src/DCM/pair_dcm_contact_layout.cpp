@@ -49,7 +49,8 @@ static constexpr double SAME_REACH = 1.35, EMPTY_BIN = 2.0;
 
 /* ----------------------------------------------------------------------
    mean edge and largest face per type at the start of a run, at a time when no ghosts exist yet:
-   vertices that other ranks own are asked from all
+   vertices that other ranks own are asked from all. The mean is that of cells that are solved for,
+   if there are any: a slab that rests or is moved changes nothing of the others
 ------------------------------------------------------------------------- */
 
 void PairDCMContact::measure_mesh()
@@ -82,7 +83,7 @@ void PairDCMContact::measure_mesh()
 
   struct Edges {
     tagint molecule;
-    double sum, n;
+    double sum, n, solved;
   };
   std::vector<Edges> cells;
   std::vector<double> largest(atom->ntypes + 1, 0.0);
@@ -105,7 +106,7 @@ void PairDCMContact::measure_mesh()
       v[k] = v[0] + d;
     }
     if (cells.empty() || cells.back().molecule != atom->molecule[i])
-      cells.push_back({atom->molecule[i], 0.0, 0.0});
+      cells.push_back({atom->molecule[i], 0.0, 0.0, 0.0});
     const Vec3 mid = (v[0] + v[1] + v[2]) / 3.0;
     for (int k = 0; k < 3; k++) {
       largest[atom->type[i]] = std::max(largest[atom->type[i]], (v[k] - mid).norm());
@@ -120,6 +121,18 @@ void PairDCMContact::measure_mesh()
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), atom->ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
   mean_edge = sums[0] / sums[1];
 
+  int solved = 0, moved = 0;
+  for (const auto *const role : DCMRole::of(lmp)) {
+    solved |= role->solved_bits();
+    moved |= role->moved_bits();
+  }
+  for (int i = 0; i < nlocal; i++) {
+    if (dcm->kind[i] != AtomVecDCM::NODE || !(atom->mask[i] & solved) || (atom->mask[i] & moved))
+      continue;
+    if (cells.empty() || cells.back().molecule != atom->molecule[i] || cells.back().solved == 0.0)
+      cells.push_back({atom->molecule[i], 0.0, 0.0, 1.0});
+  }
+
   // mean edge of the coarsest cell: first one entry a cell of this process, then of all
 
   auto merge = [](std::vector<Edges> &list) {
@@ -131,6 +144,7 @@ void PairDCMContact::measure_mesh()
       if (n && list[n - 1].molecule == item.molecule) {
         list[n - 1].sum += item.sum;
         list[n - 1].n += item.n;
+        list[n - 1].solved = std::max(list[n - 1].solved, item.solved);
       } else {
         list[n++] = item;
       }
@@ -140,7 +154,15 @@ void PairDCMContact::measure_mesh()
   merge(cells);
   cells = dcm_allgather(cells, world);
   merge(cells);
-  for (const auto &cell : cells) largest_edge = std::max(largest_edge, cell.sum / cell.n);
+  double some[2] = {0.0, 0.0};
+  bool all = true;
+  for (const auto &cell : cells) {
+    largest_edge = std::max(largest_edge, cell.sum / cell.n);
+    all = all && cell.solved > 0.0;
+    some[0] += cell.solved * cell.sum;
+    some[1] += cell.solved * cell.n;
+  }
+  if (!all && some[1] > 0.0) mean_edge = some[0] / some[1];
 
   for (int t = 1; t <= atom->ntypes; t++)
     if (types[t].kind == AtomVecDCM::FACE) types[t].radius = largest[t];

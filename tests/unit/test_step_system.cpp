@@ -94,6 +94,40 @@ TEST(StepSystem, solution_is_that_of_the_dense_matrix)
   }
 }
 
+// unknowns that are given: the others solve the reduced system, by elimination in the dense matrix.
+// Rows of the given ones, whose own diagonal may be zero, do not matter
+TEST(StepSystem, unknowns_that_are_given_are_left_out)
+{
+  Random random(103, 0, 0);
+  Ring ring(7, random);
+  Alone alone;
+  const double dt = 3.0;
+  const MatrixXd A = ring.dense(dt);
+  VectorXd b(21), x = VectorXd::Zero(21);
+  for (int r = 0; r < 21; r++) b[r] = random.uniform() - 0.5;
+  std::vector<int> free, held;
+  for (int r = 0; r < 21; r++) (r / 3 == 1 || r / 3 == 4 ? held : free).push_back(r);
+  for (const int r : held) x[r] = random.uniform() - 0.5;
+  x(free) = A(free, free).ldlt().solve(VectorXd(b(free) - A(free, held) * x(held)));
+
+  const VectorXd less = b - A(Eigen::all, held) * x(held);
+  std::vector<double> rhs(STRIDE * 8, 0.0), v(rhs.size(), 0.0);
+  for (const int r : free) rhs[STRIDE * (1 + r / 3) + r % 3] = less[r];
+  for (const auto how : {Precondition::BLOCK, Precondition::JACOBI, Precondition::NONE}) {
+    std::fill(v.begin(), v.end(), 0.0);
+    FrictionSolver<Alone> solver;
+    solver.tolerance = 1e-12;
+    solver.precondition = how;
+    solver.given = {2, 5};
+    const auto found =
+        solver.solve(StepSystem(ring.friction, ring.stiffness, dt), rhs.data(), v.data(), alone);
+    EXPECT_EQ(found.status, FrictionResult::CONVERGED);
+    for (const int r : free)
+      EXPECT_NEAR(v[STRIDE * (1 + r / 3) + r % 3], x[r], 1e-9 * x.norm());
+    for (const int r : held) EXPECT_EQ(v[STRIDE * (1 + r / 3) + r % 3], 0.0);
+  }
+}
+
 // one spring between two nodes: its length relaxes as u' = -2 ks/gamma u, gamma on each node. Euler
 // backward: u/(1 + 2 ks dt/gamma) each step, for any dt, since the force is linear along the edge
 TEST(StepSystem, one_spring_relaxes_as_backward_euler_does)

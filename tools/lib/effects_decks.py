@@ -223,6 +223,8 @@ EFFECTS = [
     Effect("motion, precondition none", ("fix dcm/motion",),
            dict(motion="scheme implicit precondition none"), dict(motion="scheme implicit")),
     # ---- forces
+    Effect("a body that moves", ("fix dcm/move",), fixes("fix push one dcm/move linear 0 0 0.01"),
+           idle=fixes("fix push none dcm/move linear 0 0 0.01")),
     Effect("tension", ("fix dcm/tension",), fixes("fix tension all dcm/tension tension 0.1"),
            idle=fixes("fix tension all dcm/tension tension 0")),
     Effect("plane", ("fix dcm/confine",), fixes("fix plane all dcm/confine plane z 10.0"),
@@ -269,7 +271,7 @@ EFFECTS = [
            dict(SPHERE, **fixes(CONVERT + " pressure 1000 -1000 every 1")),
            dict(SPHERE, **fixes(REGIONS, CONVERT + NOBODY))),
     Effect("conversion by strain, nobody", ("fix dcm/convert",),
-           dict(SPHERE, **fixes(CONVERT + " strain 1000 -1000 every 1")),
+           dict(SPHERE, **fixes(CONVERT + " strain 0.29 -1000 every 1")),
            dict(SPHERE, **fixes(REGIONS, CONVERT + NOBODY))),
     Effect("conversion of a cell", ("fix dcm/convert",),
            dict(SPHERE, **fixes(

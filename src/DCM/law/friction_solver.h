@@ -48,6 +48,7 @@ template <class Communicator> class FrictionSolver {
   double tolerance = 1e-6;
   int maxiter = 500;
   Precondition precondition = Precondition::BLOCK;
+  std::vector<int> given;    // owned slots that are not solved for: b and x are 0 there
 
   // solve A x = b; system: a FrictionSystem (merged) or what has the same nowned, nall, apply(),
   // isotropic(), diagonal() and diagonal_blocks(); b and x with STRIDE numbers per slot, b for
@@ -73,6 +74,7 @@ template <class Communicator> class FrictionSolver {
     comm.forward(x);
     system.apply(x, q.data(), comm);
     comm.reverse(q.data(), STRIDE, 3);
+    leave_out_given();
     double sums[4] = {0.0, 0.0, 0.0, (result.zero_slot >= 0) ? 1.0 : 0.0};
     for (std::size_t i = STRIDE; i < n; i++) {
       r[i] = b[i];
@@ -104,6 +106,7 @@ template <class Communicator> class FrictionSolver {
       comm.forward(p.data());
       double pq = system.apply(p.data(), q.data(), comm);
       comm.reverse(q.data(), STRIDE, 3);
+      leave_out_given();
       comm.sum(&pq, 1);
       if (!std::isfinite(pq)) return finish(result, FrictionResult::NOT_FINITE, rr);
       if (pq <= 0.0) return finish(result, FrictionResult::INDEFINITE, rr);
@@ -147,6 +150,7 @@ template <class Communicator> class FrictionSolver {
       // without friction along directions, blocks and diagonal are the same
       scalar = system.diagonal();
       comm.reverse(scalar.data(), 1, 1);
+      for (const int i : given) scalar[i] = 1.0;
       for (int i = 1; i <= system.nowned; i++) {
         if (scalar[i] == 0.0 && zero < 0 && directed == 0.0) zero = i;
         scalar[i] = (scalar[i] == 0.0) ? 0.0 : 1.0 / scalar[i];
@@ -159,6 +163,8 @@ template <class Communicator> class FrictionSolver {
     double *d = blocks.data();
     system.diagonal_blocks(d);
     comm.reverse(d, 6, 6);
+    for (const int i : given)
+      for (int k = 0; k < 6; k++) d[6 * (std::size_t) i + k] = k < 3 ? 1.0 : 0.0;
     for (int i = 1; i <= system.nowned; i++) {
       double *m = d + 6 * (std::size_t) i;
       double block[6] = {m[0], m[1], m[2], m[3], m[4], m[5]};
@@ -170,6 +176,14 @@ template <class Communicator> class FrictionSolver {
         m[k] = (trace == 0.0) ? 0.0 : std::numeric_limits<double>::quiet_NaN();
     }
     return zero;
+  }
+
+  // rows of unknowns that are given: no residual, and so no direction
+
+  void leave_out_given()
+  {
+    for (const int i : given)
+      for (int k = 0; k < STRIDE; k++) q[STRIDE * (std::size_t) i + k] = 0.0;
   }
 
   // z = M^-1 r of one slot
