@@ -224,6 +224,12 @@ EFFECTS = [
     # ---- forces
     Effect("tension", ("fix dcm/tension",), fixes("fix tension all dcm/tension tension 0.1"),
            idle=fixes("fix tension all dcm/tension tension 0")),
+    Effect("traction", ("fix dcm/traction",), fixes("fix push dcm dcm/traction pressure 0.1"),
+           idle=fixes("fix push none dcm/traction pressure 0.1")),
+    Effect("traction, a variable in a region", ("fix dcm/traction",),
+           fixes(REGIONS, "variable t atom 0.01*z", "group faces type 3 6",
+                 "fix push faces dcm/traction vector 0 0 v_t region everywhere faces lateral"),
+           fixes("fix push dcm dcm/traction pressure 0.1")),
     Effect("plane", ("fix dcm/confine",), fixes("fix plane all dcm/confine plane z 10.0"),
            idle=fixes("fix plane none dcm/confine plane z 10.0")),
     Effect("background pressure", ("fix dcm/confine",),
