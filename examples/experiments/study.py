@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""The runs and the figure of the manual page doc/experiments.rst.
+"""The runs and the figures of the manual page doc/experiments.rst.
 
-    ./study.py                  all runs (10 minutes), a table of what they print, experiments.png
-    ./study.py --report         only table and figure, from the logs there are
+    ./study.py                  all runs (10 minutes), a table of what they print, experiments.png,
+                                experiments_cells.png
+    ./study.py --report         only table and figures, from the logs and pictures there are
 
 It can be stopped at any time and called again: runs whose log is complete are not repeated.
 LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH
@@ -33,12 +34,13 @@ RUNS = [
     ("indent", {}),
     *[("indent", options) for options in INDENTS],
     *[("stretch", options) for options in ({}, {"level": 2}, {"level": 4})],
+    *[("aspirate", options) for options in ({}, {"level": 2}, {"level": 4})],
     *[("sorting", options) for options in ({}, {"seed": 2}, {"seed": 3})],
     *[("sorting", {"W": 0.05, "seed": seed}) for seed in (1, 2, 3)],
     ("compress", {}),
     ("compress", {"level": 3}),
 ]
-SAYS = ("depth", "strain", "recoil", "shocked", "the other", "demixing")
+SAYS = ("depth", "strain", "recoil", "suction", "sucked", "shocked", "the other", "demixing")
 
 
 def log_of(out, deck, options):
@@ -73,8 +75,9 @@ def draw(out, path):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    fig, axes = plt.subplots(2, 3, figsize=(13, 7.5), constrained_layout=True)
-    ((press, relax, indent), (shock, stretch, sorting)) = axes
+    fig, axes = plt.subplots(2, 4, figsize=(17, 7.5), constrained_layout=True)
+    ((press, relax, indent, aspirate), (shock, stretch, sorting, unused)) = axes
+    unused.axis("off")
     for options, style in (({}, "o:"), ({"level": 3}, "s-")):
         log = read_log(log_of(out, "compress", options))
         label = "642 nodes a cell" if options else "162 nodes a cell"
@@ -100,6 +103,13 @@ def draw(out, path):
         title="indent", xlabel="edge (um)", ylabel="stiffness / that of a shell", xlim=(0, 2)
     )
     indent.axhline(1.0, color="k", lw=0.8)
+    for level, style in ((2, "v:"), (3, "o-"), (4, "s-")):
+        text = log_of(out, "aspirate", {"level": level} if level != 3 else {}).read_text()
+        found = re.findall(r"^suction ([\d.]+).* length ([\d.]+).* has ([\d.]+)", text, re.M)
+        pull, length, theory = np.array(found, dtype=float).T
+        aspirate.plot(pull, length, style, ms=4, label=f"{10 * 4**level + 2} nodes")
+    aspirate.plot(pull, theory, "k-", lw=0.8)
+    aspirate.set(title="aspirate", xlabel="suction (kPa)", ylabel="length in the pipette (um)")
     for s, color in ((0.8, "tab:purple"), (1.3, "tab:brown")):
         log = read_log(log_of(out, "shock", {"shock": s} if s < 1 else {}))
         t = log["Time"]
@@ -130,6 +140,26 @@ def draw(out, path):
     fig.savefig(path, dpi=80)
 
 
+PICTURES = ("compress", "indent", "stretch", "aspirate", "sorting.start", "sorting.end")
+
+
+def draw_cells(out, path):
+    """What the decks without options have drawn, side by side, without the empty margin."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    fig, axes = plt.subplots(1, len(PICTURES), figsize=(2.1 * len(PICTURES), 2.1))
+    for ax, name in zip(axes, PICTURES, strict=True):
+        image = plt.imread(out / f"{name}.png")
+        m = image.shape[0] // 8
+        ax.imshow(image[m:-m, m:-m])
+        ax.axis("off")
+    fig.tight_layout(pad=0.2)
+    fig.savefig(path, dpi=100)
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -155,6 +185,7 @@ def main():
         print(f"\n{log.name}")
         print(*[line for line in log.read_text().splitlines() if line.startswith(SAYS)], sep="\n")
     draw(args.out, args.out / "experiments.png")
+    draw_cells(args.out, args.out / "experiments_cells.png")
 
 
 if __name__ == "__main__":

@@ -218,7 +218,7 @@ def test_bad_decks(lmp, scenes):
 def test_h0_of_the_others(lmp, scenes, how, np_):
     """The range of adhesion follows the edges of the cells that are solved for, not those of a
     slab with a mesh of its own."""
-    scene = scenes.Scene(40.0, "f f f", level=2)
+    scene = scenes.Scene(45.0, "f f f", level=2)
     scene.dcm(0.0, 0.0, 0.0, 6.0)
     alone = lmp(scene.head() + scene.forces() + scene.motion() + "run 0\n").log
     scene.dcm(0.0, 0.0, -25.0, 15.0, level=1)

@@ -57,6 +57,16 @@ inline Mesh spiky(int level)
   });
 }
 
+/// an ellipsoid away from the origin, its nodes scattered by a tenth of an edge
+inline Mesh bumpy(int level, Random &random)
+{
+  const double noise = 0.1 * mean_edge(icosphere(level));
+  const Vec3 shift = random.gaussian_vector();
+  return mapped(icosphere(level), [&](const Vec3 &x) {
+    return Vec3(Vec3(x[0], 1.3 * x[1], 0.8 * x[2]) + noise * random.gaussian_vector() + shift);
+  });
+}
+
 inline Mesh box(double a, double b, double c)
 {
   Mesh m;

@@ -5,6 +5,7 @@
 #include "law/curvature.h"
 #include "law/mesh.h"
 #include "law/volume.h"
+#include "bodies.h"
 #include "helpers.h"
 
 using namespace dcm;
@@ -29,16 +30,6 @@ Points pressure_forces(double p, const Mesh &mesh)
     for (int i : f) force[i] += each;
   }
   return force;
-}
-
-Mesh bumpy(int level, Random &random)
-{
-  Mesh mesh = icosphere(level);
-  const double noise = 0.1 * mean_edge(mesh);
-  const Vec3 shift = random.gaussian_vector();
-  for (Vec3 &x : mesh.nodes)
-    x = Vec3(x[0], 1.3 * x[1], 0.8 * x[2]) + noise * random.gaussian_vector() + shift;
-  return mesh;
 }
 
 }    // namespace

@@ -27,6 +27,7 @@ TIMEOUT = 600  # s, for one run
 # A deck that is not named here runs as it is.
 SHORT = {
     "acinus": {"hours": 0.02, "start": 30},
+    "aspirate": {"level": 2, "steps": 2, "settle": 10, "image": "no"},
     "bench": {"size": "quick", "warm": 30, "timed": 20},
     "bile_duct": {"size": "quick", "hours": 0.015, "tau": 20},
     "bile_duct_day": {"rest": 0.02, "hours": 0.03},

@@ -249,6 +249,12 @@ class Deck:
             lambda: f"tension:{self.one('apical', 'basal', 'junction')} {self.number(0, 0.5)}",
             "tension v_ramp"))  # fmt: skip
 
+    def traction(self):
+        p, x, y, z = (self.one(self.number(-0.1, 0.1), "v_ramp", "v_px") for _ in range(4))
+        load = self.one(f"pressure {p}", f"vector {x} {y} {z}", f"pressure {p} vector {x} {y} {z}")
+        self.fix("traction", f"{self.group()} dcm/traction {load} " + self.some(
+            0.3, "region half", lambda: f"faces {self.one('lateral', 'apical basal')}"))
+
     def confine(self):
         pressure = self.maybe(0.5)
         what = (f"pressure {self.number(0.01, 0.3)} over deformable" if pressure else
@@ -385,8 +391,8 @@ class Deck:
         )  # fmt: skip
         self.fix("other", line)
 
-    EFFECTS = ("motility", "tension", "confine", "growth", "division", "death", "convert",
-               "polarity", "tracer", "osmosis", "constriction", "signal")  # fmt: skip
+    EFFECTS = ("motility", "tension", "traction", "confine", "growth", "division", "death",
+               "convert", "polarity", "tracer", "osmosis", "constriction", "signal")  # fmt: skip
 
     def effects(self):
         chosen = [name for name in self.EFFECTS if self.maybe(0.2)]
