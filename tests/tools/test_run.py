@@ -18,8 +18,9 @@ export_run_environment() { :; }
 FAKE = '''#!/bin/bash
 printf '%s\\n' "$*" >>"$CALLS"
 echo "Created ${ATOMS:-7} atoms"
-[ "${WAIT:-}" = '' ] || case "$*" in *"-log none"*) ;; *) while [ ! -e "$WAIT" ]; do sleep 0.05; done ;;
-esac
+if [ -n "${WAIT:-}" ] && [ "${*#*-log none}" = "$*" ]; then
+  while [ ! -e "$WAIT" ]; do sleep 0.05; done
+fi
 echo "Setting up Verlet run ..."
 echo "  $*" >result.txt
 exit ${STATUS:-0}

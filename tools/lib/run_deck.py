@@ -111,6 +111,16 @@ def copy_files(deck, folder, variables=()):
     return files
 
 
+def unknown_variables(deck, names):
+    """Those of `names` that neither the deck nor what it reads has a variable for."""
+    folder, text = Path(deck).resolve().parent, ""
+    for file in needed_files(deck):
+        if (folder / file).stat().st_size <= MOST_TEXT:
+            text += (folder / file).read_text(errors="replace") + "\n"
+    return [n for n in names if not re.search(
+        rf"\bvariable[\s,]+{re.escape(n)}\b|\$\{{{re.escape(n)}\}}|\bv_{re.escape(n)}\b", text)]
+
+
 # ---------------------------------------------------------------------- how large is it?
 
 CREATED = re.compile(r"^Created (\d+) deformable cells(?: of (\d+) nodes)? and (\d+) center-based")
