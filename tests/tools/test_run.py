@@ -2,6 +2,7 @@
 import importlib.util
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ READY = '''
 ensure_packages() { :; }
 ensure_lammps() { :; }
 ensure_plugin() { :; }
-ensure_python() { export PYTHONPATH=%s; }
+ensure_python() { export PYTHONPATH=%s; DCM_PYTHON=${FAKE_PYTHON:-true}; }
 export_run_environment() { :; }
 '''
 # prints what a scene of $ATOMS atoms does, and writes a result
@@ -174,6 +175,32 @@ def test_the_real_program(run, tree):
     assert done.returncode == 0, done.stdout + done.stderr
     assert "ranks   1 (483 atoms)" in (tree / "runs/single/run.txt").read_text()
     assert "deformation recovered" in (tree / "runs/single/log.single").read_text()
+
+
+def test_it_ends_with_a_picture_and_a_movie(run, tree):
+    from PIL import Image
+
+    done = run(ROOT / "examples/doublet/in.doublet", "-var", "settle", "400", "-var", "rate",
+               "0.05", DCM_LMP=os.environ["DCM_LMP"], LAMMPS_POTENTIALS=ROOT / "potentials",
+               FAKE_PYTHON=sys.executable)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with Image.open(tree / "runs/doublet/picture.png") as picture:
+        assert picture.size == (1000, 1000)
+    with Image.open(tree / "runs/doublet/movie.gif") as movie:
+        # a frame every 100 s: 400 s of rest, then until 1 nN or so of 0.05 nN/s parts the cells
+        assert 4 <= movie.n_frames <= 10
+
+
+def test_no_picture_is_no_failure(run, tree, tmp_path):
+    done = run(FAKE_PYTHON="false")
+    assert done.returncode == 0 and "there is no picture" in done.stdout
+    assert "no picture" not in run(run.deck, "--no-picture", FAKE_PYTHON="false").stdout
+    said = tmp_path / "said"
+    said.write_text('#!/bin/sh\necho "$@" >&2\n')
+    said.chmod(0o755)
+    run.deck.write_text("# picture: --color region --view yz\nrun 1\n")
+    words = run(FAKE_PYTHON=said).stderr
+    assert words.strip().endswith("--color auto --view auto --color region --view yz")
 
 
 # ---------------------------------------------------------------------- files and sizes
