@@ -38,7 +38,8 @@ def tree(tmp_path):
     (root / "tools/lib/run_deck.py").symlink_to(ROOT / "tools/lib/run_deck.py")
     (root / "tools/lib/setup.sh").write_text(
         (ROOT / "tools/lib/setup.sh").read_text() + READY % (ROOT / "tools"))
-    (root / "CMakeLists.txt").write_text("project(lammps-dcm VERSION 7.8 LANGUAGES CXX)\n")
+    (root / "src/DCM").mkdir(parents=True)
+    (root / "src/DCM/dcm_version.h").write_text('#define DCM_VERSION "7.8.9"\n')
     deck = root / "examples/scene"
     deck.mkdir(parents=True)
     (deck / "in.scene").write_text("include more.lmp\n")
@@ -82,7 +83,7 @@ def test_only_what_the_deck_needs_and_how_it_came_about(run, tree):
     assert "-log log.scene -var W two words" in (folder / "result.txt").read_text()
     how = (folder / "run.txt").read_text()
     assert how.startswith("# tools/run") and "in.scene -var W two\\ words\n" in how
-    assert "package 7.8" in how and "ranks   1 (7 atoms)" in how and "status 0" in how
+    assert "package 7.8.9" in how and "ranks   1 (7 atoms)" in how and "status 0" in how
     assert str(folder) in done.stdout
 
 

@@ -27,7 +27,7 @@ die() { printf '[dcm] ERROR: %s\n' "$*" >&2; exit 1; }
 # version of the package, and the commit where there is one
 package_version() {
   local version
-  version=$(sed -n 's/^project(lammps-dcm VERSION \([0-9.]*\).*/\1/p' "$DCM_ROOT/CMakeLists.txt")
+  version=$(sed -n 's/^#define DCM_VERSION "\(.*\)"/\1/p' "$DCM_ROOT/src/DCM/dcm_version.h")
   printf '%s' "$version"
   git -C "$DCM_ROOT" log -1 --format=' (commit %h)' 2>/dev/null || true
 }
