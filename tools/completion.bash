@@ -45,7 +45,7 @@ _dcm_package() {
   fi
 }
 
-for _dcm_name in accuracy bench check coverage fuzz hard install-in-tree run same-logs study sweep \
+for _dcm_name in accuracy bench check coverage fuzz hard install-in-tree python run same-logs study sweep \
   test two-hosts; do
   complete -o filenames -F _dcm_tool "tools/$_dcm_name" "./tools/$_dcm_name"
 done

