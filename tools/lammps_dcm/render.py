@@ -155,6 +155,16 @@ def column_values(universe, mesh, spheres, name):
     return mesh.face_column(name), data[name][spheres]
 
 
+def generations(universe, mesh, spheres):
+    """Column generation on faces and spheres, whole numbers."""
+    data = universe.trajectory.ts.data
+    if "generation" not in data:
+        raise ValueError("--color generation: the dump has no column generation: add it from "
+                         "compute dcm/cell")
+    faces = mesh.face_column("generation") if mesh is not None else np.zeros(0)
+    return [np.nan_to_num(v).astype(int) for v in (faces, data["generation"][spheres])]
+
+
 def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modulus=None,
                  names=None, book=None, lumen=False, dt=None):
     """Picture of the current frame of a Universe, colored by `color` (see the command's help).
@@ -188,6 +198,10 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
         face_rgb, sphere_rgb, legend = categories(
             types, atoms.type[spheres], "type", names,
             known=book.type[np.isin(book.kind, (CENTER, SPHERE))].tolist())
+    elif color == "generation":
+        faces, on_spheres = generations(universe, mesh, spheres)
+        face_rgb, sphere_rgb, legend = categories(faces, on_spheres, "generation",
+                                                  known=map(str, range(len(PALETTE))))
     elif mesh is None:
         raise ValueError(f"--color {color}: the frame has no deformable cells; use type or cell")
     elif color == "region":
