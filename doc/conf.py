@@ -5,6 +5,9 @@ reference such as :doc:`read_data <read_data>` to a page that is not part of thi
 a link into LAMMPS' manual, if the page is listed in LAMMPS_PAGES; any other name is an error.
 """
 
+import re
+from pathlib import Path
+
 from docutils import nodes
 from pygments.lexer import RegexLexer, bygroups
 from pygments.token import Comment, Keyword, Name, Number, String, Text
@@ -12,7 +15,8 @@ from pygments.token import Comment, Keyword, Name, Number, String, Text
 project = "LAMMPS-DCM"
 author = "the LAMMPS-DCM developers"
 copyright = author
-version = release = "0.1"
+header = Path(__file__).parents[1] / "src/DCM/dcm_version.h"
+version = release = re.search(r'DCM_VERSION "(.+)"', header.read_text()).group(1)
 
 extensions = ["sphinx.ext.mathjax"]
 exclude_patterns = ["_build", "first_steps"]

@@ -66,6 +66,10 @@ class DCMRecord : protected Pointers {
     text.assign(chars.begin(), chars.end());
   }
 
+  // whether something is left to get: what a later version of the package added at the end
+
+  bool more() const { return at < bytes.size(); }
+
   // a fix: on the first process, with the size that LAMMPS expects before it, and from its buffer
 
   void write(FILE *) const;

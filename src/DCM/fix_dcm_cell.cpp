@@ -20,6 +20,7 @@
 #include "dcm_record.h"
 #include "dcm_rest_file.h"
 #include "dcm_retype.h"
+#include "dcm_version.h"
 #include "law/volume.h"
 #include "domain.h"
 #include "error.h"
@@ -28,6 +29,7 @@
 #include "neighbor.h"
 #include "pair_dcm_contact.h"
 #include "update.h"
+#include "utils.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,6 +67,8 @@ FixDCMCell::FixDCMCell(LAMMPS *lmp, int narg, char **arg) :
   comm_reverse = NCURVATURE;
   restart_global = 1;
   stores_ids = 1;    // of vertices, which reset_atoms id does not know
+  if (comm->me == 0)
+    utils::logmesg(lmp, "Fix dcm/cell: version {} of the package DCM\n", DCM_VERSION);
 }
 
 FixDCMCell::~FixDCMCell() = default;
@@ -426,6 +430,7 @@ void FixDCMCell::write_restart(FILE *fp)
   if (comm->me != 0) return;
   DCMRecord record(lmp, STYLE, RECORD);
   table.put(record);
+  record.put(std::string(DCM_VERSION));
   record.write(fp);
 }
 
@@ -438,4 +443,8 @@ void FixDCMCell::restart(char *buf)
   DCMRecord record(lmp, STYLE, RECORD);
   record.load(buf);
   table.get(record);
+  std::string by = "without a number";
+  if (record.more()) record.get(by);
+  if (by != DCM_VERSION && comm->me == 0)
+    utils::logmesg(lmp, "Fix dcm/cell: the restart file is of version {} of the package\n", by);
 }

@@ -22,6 +22,7 @@
 #include "version.h"
 
 #include "dcm_style_headers.h"
+#include "dcm_version.h"
 
 #include <cstdio>
 #include <cstring>
@@ -63,7 +64,7 @@ class Registry {
   Registry(void *_lmp, void *handle, void *regfunc) : lmp(_lmp), add((lammpsplugin_regfunc) regfunc)
   {
     plugin.version = LAMMPS_VERSION;
-    plugin.info = "LAMMPS-DCM, deformable cell model";
+    plugin.info = "LAMMPS-DCM " DCM_VERSION ", deformable cell model";
     plugin.author = "the LAMMPS-DCM developers";
     plugin.handle = handle;
   }

@@ -137,13 +137,13 @@ def test_legend_names(files):
 
 
 def test_auto_falls_back_to_matplotlib(files, tmp_path, monkeypatch, capfd):
-    from lammps_dcm import render
+    from lammps_dcm import drawing
 
     def crash(*args, **kwargs):
         import os
         os.kill(os.getpid(), 9)
 
-    monkeypatch.setattr(render, "draw_vtk", crash)
+    monkeypatch.setattr(drawing, "draw_vtk", crash)
     assert main(["render", *files, "-o", str(tmp_path / "p.png"), "--size", "200"]) == 0
     assert "matplotlib" in capfd.readouterr().out
     assert picture(tmp_path / "p.png").std() > 0.01

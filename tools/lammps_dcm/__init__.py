@@ -4,7 +4,7 @@
     u = lammps_dcm.load("data.cells", "cells.dump")
     volume = lammps_dcm.CellVolume(u).run().results.volume     # (frames, cells), um^3
 """
-__version__ = "0.1.0"
+__version__ = "0.2.0"    # of this Python package, not of the styles
 
 _HOME = {"CellVolume": "analysis", "CellPressure": "analysis", "FaceArea": "analysis",
          "CellContacts": "analysis", "CellQuality": "analysis", "CellShape": "shape",

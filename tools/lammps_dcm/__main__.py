@@ -3,6 +3,8 @@ import argparse
 import importlib
 import sys
 
+from . import __version__
+
 # command -> module that has add_arguments(parser) and run(args, words), help
 COMMANDS = {
     "scene": ("scene", "write a cells table for `create_cells table FILE`"),
@@ -23,6 +25,7 @@ def make_parser(words):
     """Parser of all commands; only the module of the command in `words` is imported, since
     MDAnalysis and VTK take seconds to load."""
     parser = argparse.ArgumentParser(prog="python -m lammps_dcm", description=__doc__)
+    parser.add_argument("--version", action="version", version=f"lammps_dcm {__version__}")
     sub = parser.add_subparsers(dest="command", required=True)
     asked = next((w for w in words if w in COMMANDS), None)
     for name, (module, text) in COMMANDS.items():

@@ -11,7 +11,7 @@ import zipfile
 
 import numpy as np
 
-from .render import build_plotter
+from .drawing import build_plotter
 from .text import write_text
 
 SPHERE_TRIANGLES = 400_000    # most triangles of all spheres together, so that the file stays small

@@ -349,6 +349,8 @@ class DCMDumpReader(ReaderBase):
                       frame.where)
         self.ts.frame = number
         self.ts.data["step"] = frame.step
+        if frame.time is not None:
+            self.ts.data["seconds"] = frame.time
         self.ts.time = frame.step * self.step_length if frame.time is None else frame.time
         return self.ts
 

@@ -1,52 +1,36 @@
-"""Pictures of a frame: surfaces of deformable cells and spheres, without a display.
+"""Pictures and movies of a run: surfaces of deformable cells and spheres, without a display.
 
-VTK (through pyvista) draws where it can; elsewhere matplotlib does, slower and plainer.
+What is seen of a frame, in which colors; drawing.py draws it.
 """
-import multiprocessing
-import sys
-from dataclasses import dataclass
+import contextlib
+import tempfile
 from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
 from .analysis import CellPressure
+from .drawing import VIEWS, Picture, draw_all, window_of
 from .frame_atoms import AtomBook
 from .inputs import add_input, bulk_modulus_of, chosen_frames, load_run, pairs
 from .lumen import lumen_faces, marked_rows
 from .mesh import Mesh
+from .run_folder import find_run
 from .section import REGION_COLORS, WALL
 from .topology import CENTER, FACE, NODE, REGION_NAMES, SPHERE
 from .triangles import triangle_vectors
 
-VIEWS = {"xy": (0, 0, 1), "xz": (0, -1, 0), "yz": (1, 0, 0), "iso": (1, -1, 0.8)}
-UP = {"xy": (0, 1, 0), "xz": (0, 0, 1), "yz": (0, 0, 1), "iso": (0, 0, 1)}
 PALETTE = ["#4c78a8", "#f58518", "#54a24b", "#e45756", "#72b7b2", "#eeca3b", "#b279a2", "#ff9da6",
            "#9d755d", "#bab0ac"]
 GREY = 0.75
 # lumens, the largest first
 LUMENS = ["#1c7ed6", "#a61e4d", "#5f3dc4", "#087f5b"]
+UNITS = {"stress": "kPa", "curvature": "1/um", "volume": "um^3", "area": "um^2",
+         "contact_area": "um^2"}
 FAINT = 0.2    # opacity of cells around a lumen that is drawn
-
-
-@dataclass
-class Picture:
-    """What to draw. points (n, 3) um and triangles (m, 3) rows of points: the surfaces; centers
-    (s, 3), radii (s,) um: spheres; dots (t, 3): tracers; face_rgb (m, 3), sphere_rgb (s, 3);
-    bar: None or (title, low, high) of a color scale; legend: dict of label -> color; title;
-    solid (m,): faces of a lumen, drawn opaque where cells are translucent."""
-
-    points: np.ndarray
-    triangles: np.ndarray
-    centers: np.ndarray
-    radii: np.ndarray
-    dots: np.ndarray
-    face_rgb: np.ndarray
-    sphere_rgb: np.ndarray
-    bar: tuple
-    legend: dict
-    title: str
-    solid: np.ndarray
+FRAMES = 30    # of a movie, unless --frames says otherwise
+SLOW_FRAMES = 10    # where matplotlib draws it
+FLAT = 0.5    # a scene whose height is below this part of its width is seen from above
 
 
 def categories(face_values, sphere_values, label, called=None, known=()):
@@ -82,7 +66,7 @@ def cell_colors(face_cells, sphere_cells):
 
 
 def scale(face_values, sphere_values, title, limits, cmap):
-    """Colors of numbers, NaN in gray: ((m, 3), (s, 3), bar)."""
+    """Colors of numbers, NaN in gray: ((m, 3), (s, 3), bar, numbers)."""
     import matplotlib
 
     values = np.append(face_values, sphere_values).astype(float)
@@ -90,12 +74,75 @@ def scale(face_values, sphere_values, title, limits, cmap):
     if limits is None:
         limits = (values[known].min(), values[known].max()) if known.any() else (0.0, 1.0)
     low, high = limits
+    low, high = (0.0 if abs(v) < 1e-9 * max(abs(low), abs(high)) else v for v in (low, high))
     if high - low <= 1e-9 * max(abs(low), abs(high)):    # equal but for round-off
         margin = 0.01 * abs(low) or 1.0
         low, high = low - margin, high + margin
     t = np.clip((np.where(known, values, low) - low) / (high - low), 0.0, 1.0)
     rgb = np.where(known[:, None], matplotlib.colormaps[cmap](t)[:, :3], GREY)
-    return rgb[:len(face_values)], rgb[len(face_values):], (title, low, high)
+    return (rgb[:len(face_values)], rgb[len(face_values):], (title, low, high),
+            (face_values, sphere_values))
+
+
+def one_scale(pictures, cmap):
+    """Color the numbers of all pictures by the same scale, that of the second half of them."""
+    scaled = [p for p in pictures if p.values]
+    if not scaled:
+        return
+    late = scaled[len(scaled) // 2:]    # cells begin without pressure, and far from rest
+    limits = min(p.bar[1] for p in late), max(p.bar[2] for p in late)
+    for p in scaled:
+        solid = p.face_rgb[p.solid]
+        p.face_rgb, p.sphere_rgb, p.bar, _ = scale(*p.values, p.bar[0], limits, cmap)
+        p.face_rgb[p.solid] = solid
+
+
+def time_text(seconds):
+    """Time as text, in the unit that fits."""
+    if abs(seconds) < 180.0:
+        return f"{seconds:.3g} s"
+    return f"{seconds / 60.0:.1f} min" if abs(seconds) < 7200.0 else f"{seconds / 3600.0:.2f} h"
+
+
+def telling_color(universe, book):
+    """What the cells of the current frame are best told apart by: a value of --color."""
+    atoms, data = book.frame(), universe.trajectory.ts.data
+
+    def differ(values):
+        values = values[np.isfinite(values)]
+        return len(values) > 1 and np.ptp(values) > 1e-9 * np.abs(values).max()
+
+    faces = atoms.there & (atoms.kind == FACE)
+    centers = atoms.there & np.isin(atoms.kind, (CENTER, SPHERE))
+    shaped = atoms.there & (atoms.kind == CENTER)
+    if faces.any() and "mark" in data and (data["mark"][faces] > 0).any():
+        return "region" if (atoms.region[faces] > 0).any() else "mark"
+    if "generation" in data and differ(data["generation"][centers]):
+        return "generation"
+    if len(set(atoms.type[centers])) > 1:
+        return "type"
+    if (atoms.region[faces] > 0).any():
+        return "region"
+    if "pressure" in data and differ(data["pressure"][shaped]):
+        return "pressure"
+    if centers.sum() > 1:
+        return "cell"
+    for name in ("stress", "curvature"):
+        if name in data and differ(data[name][faces]):
+            return name
+    return "type"
+
+
+def telling_view(universe, book):
+    """From above if the scene is flat, else aslant."""
+    atoms = book.frame()
+    cells = atoms.there & np.isin(atoms.kind, (CENTER, NODE, SPHERE))
+    radius = np.nan_to_num(np.where(atoms.kind == SPHERE, atoms.radius, 0.0))[cells, None]
+    xyz = atoms.xyz[cells]
+    if not len(xyz):
+        return "xy"
+    size = (xyz + radius).max(axis=0) - (xyz - radius).min(axis=0)
+    return "xy" if size[2] < FLAT * size[:2].max() else "iso"
 
 
 def column_values(universe, mesh, spheres, name):
@@ -108,11 +155,21 @@ def column_values(universe, mesh, spheres, name):
     return mesh.face_column(name), data[name][spheres]
 
 
+def generations(universe, mesh, spheres):
+    """Column generation on faces and spheres, whole numbers."""
+    data = universe.trajectory.ts.data
+    if "generation" not in data:
+        raise ValueError("--color generation: the dump has no column generation: add it from "
+                         "compute dcm/cell")
+    faces = mesh.face_column("generation") if mesh is not None else np.zeros(0)
+    return [np.nan_to_num(v).astype(int) for v in (faces, data["generation"][spheres])]
+
+
 def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modulus=None,
-                 names=None, book=None, lumen=False):
+                 names=None, book=None, lumen=False, dt=None):
     """Picture of the current frame of a Universe, colored by `color` (see the command's help).
     lumen: the walls of lumens in colors of their own. book: AtomBook of the Universe, to be shared
-    by several pictures."""
+    by several pictures. dt: length of a step, s, of a dump without times."""
     book = book or AtomBook(universe)
     ts, atoms = universe.trajectory.ts, book.frame()
     xyz, spheres = atoms.xyz, atoms.spheres()
@@ -133,7 +190,7 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
         _, points, triangles = mesh.surface()
         molecule, types = mesh.ids[mesh.cell], mesh.types[mesh.cell]
 
-    bar, legend, nothing = None, {}, np.full(len(spheres), np.nan)
+    bar, values, legend, nothing = None, None, {}, np.full(len(spheres), np.nan)
     if color == "cell":
         atoms.require_cells()
         face_rgb, sphere_rgb = cell_colors(molecule, atoms.mol[spheres])
@@ -141,6 +198,10 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
         face_rgb, sphere_rgb, legend = categories(
             types, atoms.type[spheres], "type", names,
             known=book.type[np.isin(book.kind, (CENTER, SPHERE))].tolist())
+    elif color == "generation":
+        faces, on_spheres = generations(universe, mesh, spheres)
+        face_rgb, sphere_rgb, legend = categories(faces, on_spheres, "generation",
+                                                  known=map(str, range(len(PALETTE))))
     elif mesh is None:
         raise ValueError(f"--color {color}: the frame has no deformable cells; use type or cell")
     elif color == "region":
@@ -152,23 +213,30 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
         face_rgb, sphere_rgb, legend = named_colors(
             marked, {"marked": WALL, "not marked": "#cfe3dc"}, len(spheres))
     elif color == "pressure":
-        if bulk_modulus is None:
-            raise ValueError("--color pressure: give the bulk modulus, --bulk-modulus K_V (kPa)")
-        frame = ts.frame
-        run = CellPressure(universe, bulk_modulus, book=book).run(frames=[frame])
-        universe.trajectory[frame]    # run() ends at frame 0
-        face_rgb, sphere_rgb, bar = scale(run.results.pressure[0][mesh.cell], nothing,
-                                          "pressure, kPa", limits, cmap)
+        if bulk_modulus is not None:
+            frame = ts.frame
+            run = CellPressure(universe, bulk_modulus, book=book).run(frames=[frame])
+            universe.trajectory[frame]    # run() ends at frame 0
+            pressure = run.results.pressure[0][mesh.cell]
+        elif "pressure" in ts.data:
+            pressure = mesh.face_column("pressure")
+        else:
+            raise ValueError("--color pressure: dump the column pressure (compute dcm/cell), or "
+                             "give the bulk modulus, --bulk-modulus K_V (kPa)")
+        face_rgb, sphere_rgb, bar, values = scale(pressure, nothing, "pressure, kPa", limits, cmap)
     elif color == "contact":
         if "contact_area" not in ts.data:
             raise ValueError("--color contact: the dump has no column contact_area: add it from "
                              "compute dcm/face, or name it with --rename COLUMN=contact_area")
         area = np.linalg.norm(triangle_vectors(mesh.corners), axis=1)
-        face_rgb, sphere_rgb, bar = scale(ts.data["contact_area"][mesh.faces] / area, nothing,
-                                          "contact area / face area", limits or (0, 1), cmap)
+        face_rgb, sphere_rgb, bar, values = scale(
+            ts.data["contact_area"][mesh.faces] / area, nothing, "contact area / face area",
+            limits or (0, 1), cmap)
     else:
         faces, on_spheres = column_values(universe, mesh, spheres, color)
-        face_rgb, sphere_rgb, bar = scale(faces, on_spheres, color, limits, cmap)
+        unit = UNITS.get(color)
+        face_rgb, sphere_rgb, bar, values = scale(
+            faces, on_spheres, f"{color}, {unit}" if unit else color, limits, cmap)
     solid = np.zeros(len(triangles), dtype=bool)
     if lumen and mesh is not None:
         from matplotlib.colors import to_rgb
@@ -179,161 +247,27 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
         face_rgb[solid] = palette[number[solid] % len(LUMENS)]
         for n in range(min(number.max(initial=-1) + 1, len(LUMENS))):
             legend[f"lumen {n + 1}"] = LUMENS[n]
+    step = ts.data.get("step", 0)
+    seconds = ts.data.get("seconds", None if dt is None else step * dt)
+    title = f"step {step}" if seconds is None else time_text(seconds)
     return Picture(points, triangles, xyz[spheres], radii, xyz[atoms.tracers()],
-                   face_rgb, sphere_rgb, bar, legend, f"step {ts.data.get('step', 0)}", solid)
-
-
-def build_plotter(picture, view="xy", size=1200, edges=False, opacity=1.0, round_=40):
-    """Off-screen pyvista.Plotter with the surfaces, spheres and tracers of a Picture, without text;
-    round_: sides of a sphere."""
-    import pyvista
-
-    plotter = pyvista.Plotter(off_screen=True, window_size=(size, size))
-    plotter.set_background("white")
-    light = dict(smooth_shading=True, specular=0.2, specular_power=10)
-    for part, alpha in ((picture.solid, 1.0), (~picture.solid, opacity)):
-        if not part.any():
-            continue
-        triangles = picture.triangles[part]
-        faces = np.column_stack([np.full(len(triangles), 3), triangles])
-        surface = pyvista.PolyData(picture.points, faces.ravel())
-        surface.cell_data["rgb"] = (255 * picture.face_rgb[part]).astype(np.uint8)
-        plotter.add_mesh(surface, scalars="rgb", rgb=True, opacity=alpha, show_edges=edges,
-                         edge_opacity=0.5, line_width=1, **light)
-    if len(picture.centers):
-        cloud = pyvista.PolyData(picture.centers)
-        cloud["radius"] = picture.radii
-        cloud["rgb"] = (255 * picture.sphere_rgb).astype(np.uint8)
-        ball = pyvista.Sphere(radius=1.0, theta_resolution=round_, phi_resolution=round_)
-        plotter.add_mesh(cloud.glyph(geom=ball, scale="radius", orient=False, factor=1.0),
-                         scalars="rgb", rgb=True, opacity=opacity if picture.solid.any() else 1.0,
-                         **light)
-    if len(picture.dots):
-        plotter.add_points(picture.dots, color="crimson", point_size=4)
-    plotter.enable_parallel_projection()
-    plotter.view_vector(VIEWS[view], UP[view])
-    plotter.camera.zoom(1.2 if view != "iso" else 1.1)
-    return plotter
-
-
-def draw_vtk(picture, output, view="xy", size=1200, edges=False, opacity=1.0, cmap="viridis"):
-    """Draw with VTK, off screen, into a PNG file."""
-    from vtkmodules.vtkCommonCore import vtkLogger
-
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)    # it complains of a missing display
-    import pyvista
-
-    plotter = build_plotter(picture, view, size, edges, opacity)
-    if picture.bar:
-        title, low, high = picture.bar
-        plotter.add_mesh(pyvista.PolyData(np.zeros((1, 3))), scalars=[low], clim=(low, high),
-                         cmap=cmap, opacity=0.0, show_scalar_bar=True, reset_camera=False,
-                         scalar_bar_args=dict(title=title, color="black", n_labels=5))
-    font = max(6, size // 110)
-    for n, (label, rgb) in enumerate([(picture.title, "black"), *picture.legend.items()]):
-        plotter.add_text(label, position=(font, size - (n + 1) * 2.4 * font), color=rgb,
-                         font_size=font)
-    plotter.screenshot(str(output))
-    plotter.close()
-
-
-def draw_matplotlib(picture, output, view="xy", size=1200, edges=False, opacity=1.0,
-                    cmap="viridis"):
-    """Draw with matplotlib into an image file; spheres are coarse, faces flat."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
-    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 17), np.linspace(0, np.pi, 9))
-    grid = np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], axis=-1)
-    quads = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2)
-    quads = quads.reshape(-1, 4, 3)
-    towards = np.array(VIEWS[view], dtype=float) / np.linalg.norm(VIEWS[view])
-    corners = picture.points[picture.triangles]
-    normals = triangle_vectors(corners) if len(corners) else np.zeros((0, 3))
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-    polygons, colors = list(corners), [picture.face_rgb * shade(normals @ towards)]
-    dark = shade(quads.mean(axis=1) @ towards)
-    for center, radius, rgb in zip(picture.centers, picture.radii, picture.sphere_rgb):
-        polygons += list(center + radius * quads)
-        colors.append(rgb * dark)
-    figure = pyplot.figure(figsize=(size / 120, size / 120), dpi=120)
-    axes = figure.add_subplot(projection="3d", proj_type="ortho")
-    alpha = np.full(len(polygons), opacity)
-    alpha[:len(corners)][picture.solid] = 1.0
-    colors = np.column_stack([np.vstack(colors), alpha])
-    axes.add_collection3d(Poly3DCollection(polygons, facecolors=colors,
-                                           edgecolors="k" if edges else "none", linewidths=0.2))
-    if len(picture.dots):
-        axes.scatter(*picture.dots.T, s=2, c="crimson")
-    everything = np.vstack(polygons)
-    axes.set(**{f"{a}lim": (lo, hi) for a, lo, hi in
-                zip("xyz", everything.min(axis=0), everything.max(axis=0))})
-    axes.set_box_aspect(np.ptp(everything, axis=0), zoom=1.25)
-    axes.view_init(**{"xy": dict(elev=90, azim=-90), "xz": dict(elev=0, azim=-90),
-                      "yz": dict(elev=0, azim=0), "iso": dict(elev=30, azim=-45)}[view])
-    axes.set_axis_off()
-    axes.set_title(picture.title)
-    if picture.bar:
-        title, low, high = picture.bar
-        norm = matplotlib.colors.Normalize(low, high)
-        figure.colorbar(matplotlib.cm.ScalarMappable(norm, cmap), ax=axes, shrink=0.5, label=title)
-    for label, rgb in picture.legend.items():
-        axes.plot([], [], [], "o", color=rgb, label=label)
-    if picture.legend:
-        axes.legend(loc="upper right")
-    figure.savefig(output)
-    pyplot.close(figure)
-
-
-def shade(cosine):
-    """Brightness (n, 1) of surfaces whose normal has `cosine` (n,) with the line of sight."""
-    return (0.45 + 0.55 * np.clip(np.abs(cosine), 0.0, 1.0))[:, None]
-
-
-def draw(picture, output, engine="auto", **options):
-    """Draw with engine `vtk`, `matplotlib` or `auto` (VTK, if that fails matplotlib).
-
-    VTK runs in a child process: without a usable OpenGL it may end the process it runs in.
-    Returns the name of the engine that drew.
-    """
-    if engine != "matplotlib":
-        child = multiprocessing.get_context("fork").Process(
-            target=_child, args=(picture, output, options))
-        child.start()
-        child.join()
-        if child.exitcode == 0 and Path(output).exists():
-            return "vtk"
-        if engine == "vtk":
-            raise ValueError("VTK could not draw here: install pyvista and a software OpenGL "
-                             "(Debian: libegl1 libgl1-mesa-dri), or use --engine matplotlib")
-        print("VTK could not draw here, matplotlib does", file=sys.stderr)
-    draw_matplotlib(picture, output, **options)
-    return "matplotlib"
-
-
-def _child(picture, output, options):
-    try:
-        draw_vtk(picture, output, **options)
-    except Exception as err:
-        print(f"VTK: {type(err).__name__}: {err}", file=sys.stderr)
-        sys.exit(1)
+                   face_rgb, sphere_rgb, bar, legend, title, solid, values)
 
 
 # ---------------------------------------------------------------------- command line
 
-def add_coloring(parser):
+def add_coloring(parser, color="type", view="xy"):
     """The options that say how cells look, shared with `export --html`."""
-    parser.add_argument("--color", default="type", help="type, cell, region, mark, pressure, "
-                        "contact, or any column of the dump (default: %(default)s)")
+    parser.add_argument("--color", default=color, help="type, cell, region, mark, pressure, "
+                        "contact, any column of the dump, such as generation or stress, or auto: "
+                        "what tells the cells apart (default: %(default)s)")
     parser.add_argument("--names", metavar="TYPE=NAME,...", help="names of atom types (of "
                         "centers and spheres) for the legend")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"),
                         help="ends of the color scale; by default those of the values")
     parser.add_argument("--cmap", default="viridis", help="matplotlib color map")
-    parser.add_argument("--view", choices=list(VIEWS), default="xy", help="plane that is seen")
+    parser.add_argument("--view", choices=[*VIEWS, "auto"], default=view, help="plane that is "
+                        "seen, or auto: xy if the scene is flat, else iso (default: %(default)s)")
     parser.add_argument("--edges", action="store_true", help="draw the mesh")
     parser.add_argument("--lumen", action="store_true", help="the marked walls of lumens (dump "
                         "column mark) in a color of their own, cells translucent")
@@ -341,11 +275,20 @@ def add_coloring(parser):
                         f"--lumen {FAINT:g}, and then of spheres too")
 
 
+def decide(args, universe, book):
+    """Replace `auto` in add_coloring's options by what fits the current frame."""
+    if args.color == "auto":
+        args.color = telling_color(universe, book)
+    if args.view == "auto":
+        args.view = telling_view(universe, book)
+
+
 def chosen_picture(args, universe, book):
     """Picture of the current frame as add_coloring's options ask for it."""
+    decide(args, universe, book)
     return make_picture(universe, args.color, args.limits, args.cmap,
                         bulk_modulus_of(args.bulk_modulus), pairs(args.names, "--names"), book,
-                        args.lumen)
+                        args.lumen, args.dt)
 
 
 def chosen_opacity(args):
@@ -356,22 +299,39 @@ def chosen_opacity(args):
 def add_arguments(parser):
     """Options of `render`."""
     add_input(parser)
+    parser.epilog = ("In place of the dump the folder of a run may be named: then what tells most "
+                     "is drawn of the dump or data file in it.")
     parser.add_argument("--frame", default="-1", help="number from 0, from the end if negative, "
                         "or all: one numbered picture each (default: %(default)s)")
     parser.add_argument("-o", "--output", default="frame.png", help="default: %(default)s")
+    parser.add_argument("--movie", metavar="FILE", help="a movie as well, .gif or .mp4")
+    parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help="at most so many "
+                        "frames of the dump, evenly spread, are in it (default: %(default)s)")
+    parser.add_argument("--dt", type=float, metavar="SECONDS", help="length of a step, for the "
+                        "time in the picture, unless the dump has times (dump_modify time yes)")
     add_coloring(parser)
     parser.add_argument("--section", metavar="AXIS[=AT]", help="cut by the plane across this axis, "
                         "drawn flat: regions of the surface, lumens (dump column mark), apical "
                         "vectors (ax ay az), tracers")
     parser.add_argument("--window", nargs=4, type=float, metavar=("X0", "X1", "Y0", "Y1"),
                         help="what a section shows, um; by default all deformable cells")
-    parser.add_argument("--size", type=int, default=1200, help="width and height, pixel")
+    parser.add_argument("--size", type=int, default=1200, help="width and height, pixel; a movie "
+                        "has half of it, and its height as the scene needs")
     parser.add_argument("--engine", choices=["auto", "vtk", "matplotlib"], default="auto")
+
+
+def evenly(count, most):
+    """At most `most` of the numbers 0 to count - 1, the first and the last among them."""
+    return sorted({round(k) for k in np.linspace(0, count - 1, min(count, max(2, most)))})
 
 
 def run(args, words):
     """Render what the command line asks for."""
-    universe = load_run(args, args.frame)
+    if args.dump is not None and Path(args.dump).is_dir():
+        args.dump, args.data = find_run(args.dump, args.data)
+    if args.movie and not args.dump:
+        args.movie = None    # a data file is one frame
+    universe = load_run(args, "all" if args.movie else args.frame)
     book = AtomBook(universe)
     count = len(universe.trajectory)
     frames = chosen_frames(args.frame, count)
@@ -379,17 +339,56 @@ def run(args, words):
     if args.section:
         run_sections(args, universe, book, frames, output)
         return
-    opacity = chosen_opacity(args)
-    for frame in tqdm(frames, desc="rendering", disable=None if len(frames) > 1 else True):
+    universe.trajectory[frames[-1]]
+    decide(args, universe, book)
+    moving = evenly(count, args.frames) if args.movie else []
+    pictures = {}
+    for frame in tqdm(sorted({*frames, *moving}), desc="reading", disable=None if count > 1 else
+                      True, leave=False):
         universe.trajectory[frame]
-        picture = chosen_picture(args, universe, book)
-        name = numbered(output, args.frame, frame)
-        engine = draw(picture, name, args.engine, view=args.view, size=args.size,
-                      edges=args.edges, opacity=opacity, cmap=args.cmap)
-        if len(frames) == 1:
-            print(f"wrote {name} ({engine}, {picture.title}, frame {frame} of {count})")
-    if len(frames) > 1:
+        with nothing_to_draw(frame not in frames):
+            pictures[frame] = chosen_picture(args, universe, book)
+    if args.limits is None and len(frames) > 1:
+        one_scale([pictures[f] for f in frames], args.cmap)
+    options = dict(view=args.view, edges=args.edges, opacity=chosen_opacity(args), cmap=args.cmap)
+    names = [numbered(output, args.frame, frame) for frame in frames]
+    window = window_of([pictures[f] for f in frames], args.view, args.size)
+    engine = draw_all([pictures[f] for f in frames], names, args.engine, window=window, **options)
+    if len(frames) == 1:
+        print(f"wrote {names[0]} ({engine}, {pictures[frames[0]].title}, frame {frames[0]} of "
+              f"{count}, color {args.color})")
+    else:
         print(f"wrote {len(frames)} pictures {output.with_stem(output.stem + '.NNNNN')}")
+    if len(pictures) > 1 and args.movie:
+        draw_movie([pictures[f] for f in moving if f in pictures], args, engine, options)
+
+
+@contextlib.contextmanager
+def nothing_to_draw(allowed):
+    """A frame without cells is no error if `allowed`: it is left out."""
+    try:
+        yield
+    except ValueError:
+        if not allowed:
+            raise
+
+
+def draw_movie(pictures, args, engine, options):
+    """Draw `pictures`, all in one window, and make a movie of them."""
+    from .movie import make_movie
+
+    if engine == "matplotlib":
+        pictures = [pictures[k] for k in evenly(len(pictures), SLOW_FRAMES)]
+    if args.limits is None:
+        one_scale(pictures, args.cmap)
+    size = 2 * max(50, args.size // 4)
+    window = window_of(pictures, args.view, size, square=False)
+    with tempfile.TemporaryDirectory(prefix="dcm-movie.") as folder:
+        names = [Path(folder) / f"{n:05d}.png" for n in range(len(pictures))]
+        draw_all(pictures, names, engine, window=window, **options)
+        make_movie([str(n) for n in names], args.movie, fps=max(4.0, len(names) / 8.0))
+    size = Path(args.movie).stat().st_size / 2**20
+    print(f"wrote {args.movie}: {len(pictures)} frames, {size:.1f} MB")
 
 
 def numbered(output, asked, frame):

@@ -24,6 +24,14 @@ LAMMPS_BUILD=$LAMMPS_HOME/build$SIZES_SUFFIX
 say() { printf '[dcm %s] %s\n' "$(date +%H:%M:%S)" "$*"; }
 die() { printf '[dcm] ERROR: %s\n' "$*" >&2; exit 1; }
 
+# version of the package, and the commit where there is one
+package_version() {
+  local version
+  version=$(sed -n 's/^#define DCM_VERSION "\(.*\)"/\1/p' "$DCM_ROOT/src/DCM/dcm_version.h")
+  printf '%s' "$version"
+  git -C "$DCM_ROOT" log -1 --format=' (commit %h)' 2>/dev/null || true
+}
+
 # --- packages -----------------------------------------------------------------------------------
 
 # command or file that shows a package is there : Debian package
