@@ -59,7 +59,7 @@ class FixDCMDivision : public Fix, public DCMRole {
   enum Plane { RANDOM, LONG, GIVEN, VARIABLE, POLARITY };
   enum Sphere { SOFTEN, TRUNCATE };
 
-  struct Job {    // one division
+  struct Job {                      // one division
     DCMCellSurgery::Cell mother;    // positions relative to origin, like those of plane, daughters
     dcm::Vec3 origin;               // place of its first node
     dcm::DivisionPlane plane;
