@@ -34,9 +34,10 @@ static const char STYLE[] = "Fix dcm/division";
 
 // Sums differ in their last bits with the number of ranks and the place in the box, and a
 // minimization makes micrometers out of them. The mother's shape, seen from one of its nodes, is
-// therefore rounded, to this part of its size, before it divides.
+// therefore rounded, to this part of its size, before it divides: far more than the differences, so
+// that few of the coordinates, if any, are rounded to another side, and less than what it matters.
 
-static constexpr double ROUNDING = 0x1p-32;
+static constexpr double ROUNDING = 0x1p-24;
 
 static double rounded(double value, double unit)
 {
