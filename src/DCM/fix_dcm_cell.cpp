@@ -281,7 +281,8 @@ void FixDCMCell::count_members()
         fault(atom->tag[i],
               fmt::format("the bonds or dihedrals of node {} (cell {}) were edited before step {}; "
                           "rest lengths and angles of cells do not follow delete_bonds, "
-                          "create_bonds and fixes that change bonds: leave these out, or use a "
+                          "create_bonds, delete_atoms of some nodes with 'bond yes' and fixes that "
+                          "change bonds: leave these out (delete whole cells), or use a "
                           "bond style of their own for other bonds (bond_style hybrid)",
                           atom->tag[i], atom->molecule[i], update->ntimestep));
     }
@@ -415,7 +416,7 @@ int FixDCMCell::modify_param(int narg, char **arg)
       error->all(FLERR,
                  "Fix dcm/cell: rest-state file {} is not written: the bonds or dihedrals of node "
                  "{} were edited, and its rest lengths and angles do not follow delete_bonds, "
-                 "create_bonds or fixes that change bonds",
+                 "create_bonds, delete_atoms of some nodes or fixes that change bonds",
                  arg[1], edited);
     dcm_write_rest_file(lmp, arg[1]);
   } else

@@ -59,8 +59,9 @@ class FixDCMDivision : public Fix, public DCMRole {
   enum Plane { RANDOM, LONG, GIVEN, VARIABLE, POLARITY };
   enum Sphere { SOFTEN, TRUNCATE };
 
-  struct Job {    // one division
-    DCMCellSurgery::Cell mother;
+  struct Job {                      // one division
+    DCMCellSurgery::Cell mother;    // positions relative to origin, like those of plane, daughters
+    dcm::Vec3 origin;               // place of its first node
     dcm::DivisionPlane plane;
     double volume;    // of the mother
     dcm::DivisionMaterial material;

@@ -32,10 +32,12 @@ using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/division";
 
-// Sums differ in their last bits with the number of ranks, and a minimization makes micrometers out
-// of them. The mother's shape is therefore rounded, to this part of its size, before it divides.
+// Sums differ in their last bits with the number of ranks and the place in the box, and a
+// minimization makes micrometers out of them. The mother's shape, seen from one of its nodes, is
+// therefore rounded, to this part of its size, before it divides: far more than the differences, so
+// that few of the coordinates, if any, are rounded to another side, and less than what it matters.
 
-static constexpr double ROUNDING = 0x1p-32;
+static constexpr double ROUNDING = 0x1p-24;
 
 static double rounded(double value, double unit)
 {
@@ -69,9 +71,10 @@ FixDCMDivision::Job FixDCMDivision::prepare(DCMCellSurgery &surgery,
 {
   Job job = {};
   job.mother = mother;
+  job.origin = mother.mesh.nodes.front();
   const double unit = ROUNDING * std::exp2(std::round(std::log2(mother.volume0) / 3.0));
   for (Vec3 &x : job.mother.mesh.nodes)
-    for (double &xk : x) xk = rounded(xk, unit);
+    for (int k = 0; k < 3; k++) x[k] = rounded(x[k] - job.origin[k], unit);
   job.round = &round_mesh(surgery, mother.mesh.nodes.size());
   job.volume = dcm::volume(job.mother.mesh);
   job.plane = dcm::halving_plane(job.mother.mesh, axis_of(job.mother));
@@ -207,6 +210,7 @@ void FixDCMDivision::insert(DCMCellSurgery &surgery, Job &job)
     DCMCellBuilder::set_round_rest(top, rest, daughter);
     daughter.molecule = molecule[side] = cell->change_cells().new_molecule();
     daughter.x = d.mesh.nodes;
+    for (Vec3 &x : daughter.x) x += job.origin;
     daughter.region = regions_of(job, d.mesh.nodes);
     surgery.insert(types, top, daughter);
     iterations += d.iterations;

@@ -133,6 +133,11 @@ void FixDCMMotion::init()
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   cell = FixDCMCell::require(lmp, STYLE);
+  if (group->dynamic[igroup])
+    error->all(FLERR,
+               "{}: group {} is dynamic; what moves is numbered at rebuilds of the neighbor lists "
+               "only, so give it a static group ('group NAME static ...')",
+               STYLE, group->names[igroup]);
   dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::NODE, AtomVecDCM::SPHERE});
   check_deck();
   roles = DCMRole::of(lmp);

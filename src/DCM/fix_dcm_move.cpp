@@ -16,14 +16,9 @@
 #include "dcm_deck_check.h"
 #include "domain.h"
 #include "error.h"
-#include "input.h"
 #include "modify.h"
-#include "update.h"
-#include "variable.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -34,11 +29,11 @@ static const char STYLE[] = "Fix dcm/move";
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/move [linear Vx Vy Vz] [rotate Px Py Pz Rx Ry Rz rate]
-   velocities and rate may be v_NAME
+   components of the velocity and the rate may be v_NAME
 ------------------------------------------------------------------------- */
 
 FixDCMMove::FixDCMMove(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), varies(false), turns(false), mine{}, all{}, summed(true)
+    Fix(lmp, narg, arg), turns(false), mine{}, all{}, summed(true)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"linear", "rotate"});
@@ -57,27 +52,17 @@ void FixDCMMove::parse(DCMArgs &args)
                "{}: give 'linear Vx Vy Vz', 'rotate Px Py Pz Rx Ry Rz rate' or both; a body that "
                "stays where it is needs no fix",
                STYLE);
-  const auto take = [&](Given &one) {
-    one = Given();
-    const char *const next = args.ahead();
-    if (next && utils::strmatch(next, "^v_.")) {
-      one.variable = args.text() + 2;
-      varies = true;
-    } else {
-      one.value = args.number();
-    }
-  };
   while (args.next()) {
     if (args.is("linear")) {
       args.need(3);
-      for (int k = 0; k < 3; k++) take(given[k]);
+      for (auto &component : linear) component.parse(args, "velocity");
     } else {
       args.need(7);
       for (int k = 0; k < 3; k++) motion.point[k] = args.number();
       for (int k = 0; k < 3; k++) motion.axis[k] = args.number();
       args.check(motion.axis.norm() > 0.0, "part of an axis that is not 0 0 0");
       motion.axis.normalize();
-      take(given[RATE]);
+      rate.parse(args, "rate");
       turns = true;
     }
   }
@@ -96,12 +81,13 @@ void FixDCMMove::init()
     error->all(FLERR, "{} {}: there is no fix dcm/motion, which would move anything", STYLE, id);
   dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::NODE, AtomVecDCM::SPHERE});
   check_before_motion(lmp, this, STYLE);
-  for (const auto &one : given) {
-    if (one.variable.empty()) continue;
-    const int ivar = input->variable->find(one.variable.c_str());
-    if (ivar < 0 || !input->variable->equalstyle(ivar))
-      error->all(FLERR, "{}: there is no equal-style variable {}", STYLE, one.variable);
-  }
+  for (auto &component : linear) component.find(lmp, STYLE);
+  rate.find(lmp, STYLE);
+  check_others();
+}
+
+void FixDCMMove::check_others() const
+{
   int others = 0;
   for (auto *const fix : modify->get_fix_list()) {
     const auto *const role = dynamic_cast<DCMRole *>(fix);
@@ -128,34 +114,24 @@ void FixDCMMove::init()
 
 void FixDCMMove::setup(int /*vflag*/)
 {
-  take_velocity();
+  final_integrate();
 }
 
 void FixDCMMove::final_integrate()
 {
-  if (varies) take_velocity();
-}
-
-void FixDCMMove::take_velocity()
-{
-  if (varies) modify->clearstep_compute();
-  for (auto &one : given) {
-    if (one.variable.empty()) continue;
-    const int ivar = input->variable->find(one.variable.c_str());
-    one.value = input->variable->compute_equal(ivar);
-    if (!std::isfinite(one.value))
-      error->all(FLERR, "{}: variable {} gives the velocity {} at step {}; it must be a number",
-                 STYLE, one.variable, one.value, update->ntimestep);
-  }
-  if (varies) modify->addstep_compute(update->ntimestep + 1);
-  for (int k = 0; k < 3; k++) motion.velocity[k] = given[k].value;
-  motion.rate = given[RATE].value;
+  DCMValue::evaluate(lmp, STYLE, {&linear[0], &linear[1], &linear[2], &rate}, igroup);
 }
 
 void FixDCMMove::move_body(int i, double dt, double *v)
 {
   double x[3];
   domain->unmap(atom->x[i], atom->image[i], x);
+  for (int k = 0; k < 3; k++) {
+    linear[k].check(lmp, STYLE, i);
+    motion.velocity[k] = linear[k](i);
+  }
+  rate.check(lmp, STYLE, i);
+  motion.rate = rate(i);
   vec(v) = motion.mean_velocity(vec(static_cast<const double *>(x)), dt);
 }
 

@@ -19,10 +19,9 @@ FixStyle(dcm/move,DCMTimedFix<FixDCMMove>);
 
 #include "dcm_role.h"
 #include "dcm_timed.h"
+#include "dcm_value.h"
 #include "fix.h"
 #include "law/rigid_motion.h"
-
-#include <string>
 
 namespace LAMMPS_NS {
 
@@ -45,15 +44,9 @@ class FixDCMMove : public Fix, public DCMRole {
   void add_load(int, const double *) override;
 
  private:
-  struct Given {
-    double value = 0.0;
-    std::string variable;    // gives the value, if any
-  };
-  static constexpr int RATE = 3;    // behind the three components of the velocity
-
   struct DCMAtoms *dcm;
-  Given given[4];
-  bool varies, turns;
+  DCMValue linear[3], rate;
+  bool turns;
   dcm::RigidMotion motion;
 
   // force, torque about the origin, places and number of the group's atoms: of this process, of all
@@ -63,7 +56,7 @@ class FixDCMMove : public Fix, public DCMRole {
   bool summed;
 
   void parse(class DCMArgs &);
-  void take_velocity();
+  void check_others() const;
 };
 
 }    // namespace LAMMPS_NS

@@ -172,11 +172,13 @@ class PairDCMContact : public Pair, public DCMRole {
   double h0_used = 0.0, range_used = 0.0, overlap_used = 0.0;
   double own_cutoff = 0.0;         // ghost cutoff set here
   double bin_edge = 0.0;           // mean edge, for the bins of types without contact
+  double wide_bin = 0.0;           // least size of bins, if those of small faces would be too many
   double face_reach = 0.0;         // largest face the ghost cutoff is laid out for
   double sphere_growth = 0.0;      // growth of spheres the list is laid out for
   double guessed = 0.0;            // 1: h0, range derived before there was any mesh
   std::vector<double> laid_out;    // per type: TypeInfo::promise, 0: not yet
   bool own_collections = false;    // of neighbor style multi
+  bool own_bins = false;
   bool warned_h0 = false, warned_filled = false, warned_overlap = false;
   double filled = 0.0, overlap = 0.0;                // measure_overlap()
   double stiffest = 0.0;                             // law foundation: largest stiffness per area
@@ -269,6 +271,7 @@ class PairDCMContact : public Pair, public DCMRole {
   void drop_collections();
   void set_cutoff();
   void setup_history();
+  double size_of_bins() const;
   void choose_collections();
 
   double bearable(double, double) const;

@@ -30,13 +30,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace LAMMPS_NS;
 using dcm::vec;
 using dcm::Vec3;
 
 static const std::string STYLE = "Pair style dcm/contact";
-static constexpr int RECORD = 4;    // version of the restart record
+static constexpr int RECORD = 5;    // version of the restart record
 
 // the mesh of faces that no run has seen yet may be twice as coarse as was guessed
 
@@ -46,6 +47,11 @@ static constexpr double COARSE = 2.0;
 // have no contact, in mean edges: a few nodes in each
 
 static constexpr double SAME_REACH = 1.35, EMPTY_BIN = 2.0;
+
+// bins that a process may have for one collection of types, 256 MB: LAMMPS lays them through the
+// box and all room for ghosts, which a single large sphere makes wide
+
+static constexpr double MOST_BINS = 0x1p26, WIDER = 1.25;    // WIDER: else a size once chosen stays
 
 /* ----------------------------------------------------------------------
    mean edge and largest face per type at the start of a run, at a time when no ghosts exist yet:
@@ -265,7 +271,8 @@ void PairDCMContact::read_restart(FILE *fp)
 
 std::vector<double *> PairDCMContact::kept()
 {
-  return {&h0_used, &range_used, &own_cutoff, &bin_edge, &face_reach, &sphere_growth, &guessed};
+  return {&h0_used,  &range_used, &own_cutoff,    &bin_edge,
+          &wide_bin, &face_reach, &sphere_growth, &guessed};
 }
 
 /* ----------------------------------------------------------------------
@@ -400,23 +407,63 @@ void PairDCMContact::take_back()
 
 void PairDCMContact::drop_collections()
 {
+  if (own_bins) neighbor->binsizeflag = 0;
+  own_bins = false;
   if (!own_collections) return;
-  neighbor->custom_collection_flag = neighbor->binsizeflag = 0;
+  neighbor->custom_collection_flag = 0;
   neighbor->ncollections = atom->ntypes;
   own_collections = false;
 }
 
 /* ----------------------------------------------------------------------
+   the smallest bins of which no process has more than MOST_BINS, in the box as it will be when the
+   run begins: a shrink-wrapped one is that of the atoms by then
+------------------------------------------------------------------------- */
+
+double PairDCMContact::size_of_bins() const
+{
+  double length[3], ends[6], part[3];
+  std::fill(ends, ends + 6, std::numeric_limits<double>::lowest());
+  for (int i = 0; i < atom->nlocal; i++)
+    for (int k = 0; k < 3; k++) {
+      ends[k] = std::max(ends[k], atom->x[i][k]);
+      ends[3 + k] = std::max(ends[3 + k], -atom->x[i][k]);
+    }
+  MPI_Allreduce(MPI_IN_PLACE, ends, 6, MPI_DOUBLE, MPI_MAX, world);
+  for (int k = 0; k < 3; k++)
+    part[k] = domain->triclinic ? domain->subhi_lamda[k] - domain->sublo_lamda[k]
+                                : (domain->subhi[k] - domain->sublo[k]) / domain->prd[k];
+  MPI_Allreduce(MPI_IN_PLACE, part, 3, MPI_DOUBLE, MPI_MAX, world);
+
+  double volume = 1.0;
+  for (int k = 0; k < 3; k++) {
+    const bool shrinks = domain->boundary[k][0] > 1 && domain->boundary[k][1] > 1;
+    const double box = shrinks ? std::max(0.0, ends[k] + ends[3 + k]) : domain->prd[k];
+    length[k] = part[k] * box + 2.0 * std::max(own_cutoff, comm->cutghostuser);
+    volume *= length[k];
+  }
+  auto bins = [&length](double size) {    // with those that LAMMPS adds at the ends
+    return (length[0] / size + 4.0) * (length[1] / size + 4.0) * (length[2] / size + 4.0);
+  };
+  double size = std::cbrt(volume / MOST_BINS);
+  while (bins(size) > MOST_BINS) size *= 1.05;
+  return size;
+}
+
+/* ----------------------------------------------------------------------
    neighbor style multi gives every atom type bins of its own, most of them empty. Types of about
    the same reach share theirs here, and those without contact need no list: cutoff 0 looks into
-   the own bin only, whose size is free for the smallest collection. A deck's own collections stay.
+   the own bin only, whose size is free for the smallest collection. Bins that would be too many
+   for the memory are made larger, those of all types that would have smaller ones together.
+   A deck's own collections stay.
 ------------------------------------------------------------------------- */
 
 void PairDCMContact::choose_collections()
 {
   drop_collections();
-  if (neighbor->style != Neighbor::MULTI || neighbor->custom_collection_flag ||
-      force->pair != this || comm->mode != Comm::SINGLE || neighbor->binsizeflag)
+  const bool multi = neighbor->style == Neighbor::MULTI;
+  if (neighbor->style == Neighbor::NSQ || neighbor->custom_collection_flag || force->pair != this ||
+      comm->mode != Comm::SINGLE || neighbor->binsizeflag)
     return;
 
   std::vector<int> order;
@@ -427,21 +474,46 @@ void PairDCMContact::choose_collections()
   std::stable_sort(order.begin(), order.end(), [&](int s, int t) {
     return reach(s) < reach(t);
   });
+
+  // LAMMPS' own size is half the cutoff
+
+  auto size = [&](int t) {
+    const double own = types[t].active ? reach(t) + 0.5 * neighbor->skin : EMPTY_BIN * bin_edge;
+    return own > 0.0 ? own : std::numeric_limits<double>::infinity();
+  };
+  const double least = size_of_bins();
+  double smallest = size(order.back());
+  for (int t : order) smallest = multi ? std::min(smallest, size(t)) : smallest;
+  if (smallest < least && least > WIDER * wide_bin) {
+    wide_bin = least;
+    if (comm->me == 0)
+      utils::logmesg(lmp,
+                     "{}: neighbor bins of at least {:.4g}: more and smaller ones would not fit "
+                     "into the memory\n",
+                     STYLE, wide_bin);
+  }
+
+  auto set_bins = [this](double width) {
+    own_bins = true;
+    neighbor->binsizeflag = 1;
+    neighbor->binsize_user = width;
+  };
+  if (wide_bin > 0.0) set_bins(wide_bin);
+  if (!multi) return;
+
   std::string lists;
   int n = 0;
-  double least = -1.0;
+  double first = -1.0;    // reach of the first type of a collection
   for (int t : order) {
-    const bool joins = n > 0 && reach(t) <= SAME_REACH * least;
+    const bool joins = n > 0 && (reach(t) <= SAME_REACH * first || (n == 1 && size(t) < wide_bin));
     lists += fmt::format("{}{}", joins ? "," : " ", t);
     if (joins) continue;
-    least = reach(t);
+    first = reach(t);
     n++;
   }
   own_collections = true;
   neighbor->modify_params(fmt::format("collection/type {}{}", n, lists));
-  if (reach(order[0]) > 0.0 || bin_edge == 0.0) return;
-  neighbor->binsizeflag = 1;
-  neighbor->binsize_user = EMPTY_BIN * bin_edge;
+  if (wide_bin == 0.0 && reach(order[0]) == 0.0 && bin_edge > 0.0) set_bins(EMPTY_BIN * bin_edge);
 }
 
 /* ----------------------------------------------------------------------

@@ -173,12 +173,16 @@ void PairDCMContact::fail_radius(int i, double sum, double limit)
   const TypeInfo &info = types[atom->type[i]];
   const bool face = dcm->kind[i] == AtomVecDCM::FACE;
   const double growth = set.growth > 0.0 ? set.growth : face ? FACE_GROWTH : sphere_growth;
+  const bool minimizing =
+      update->whichflag == 2;    // min_style fire limits all moves but the first
   error->one(
       FLERR,
       "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step {}, "
       "beyond the {:.4} that the neighbor list is laid out for, and with another the sum "
-      "{:.4}, beyond {:.4}; look for a mesh that falls apart, or continue from before with a "
+      "{:.4}, beyond {:.4}; {}look for a mesh that falls apart, or continue from before with a "
       "larger growth: 'pair_style dcm/contact ... growth {:.4}' and the same pair_coeff",
       face ? "face" : "sphere", atom->tag[i], atom->molecule[i], atom->radius[i], update->ntimestep,
-      info.promise, sum, limit, 1.25 * growth);
+      info.promise, sum, limit,
+      minimizing ? fmt::format("minimize with a smaller timestep than {:.4}, ", update->dt) : "",
+      1.25 * growth);
 }

@@ -169,7 +169,7 @@ void PairDCMContact::settings(int narg, char **arg)
 void PairDCMContact::forget_layout()
 {
   laid_out.clear();
-  bin_edge = face_reach = sphere_growth = 0.0;
+  bin_edge = wide_bin = face_reach = sphere_growth = 0.0;
 }
 
 /* ----------------------------------------------------------------------

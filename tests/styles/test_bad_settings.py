@@ -136,6 +136,14 @@ def test_group_of_a_compute(lmp, scenes, case):
           "group g holds")  # fmt: skip
 
 
+def test_motion_of_a_dynamic_group(lmp, scenes):
+    """Atoms that join between two rebuilds of the lists would move at a time that hangs on these."""
+    scene = scenes.doublet()
+    text = "variable right atom x>0\ngroup g dynamic all var right every 1\n"
+    fails(lmp, whole(scene, motion=text + scene.motion("g")), "Fix dcm/motion: group g is dynamic",
+          "static group")  # fmt: skip
+
+
 def test_group_without_atoms(lmp, scenes):
     """Cells of a group may come later."""
     scene = scenes.doublet()

@@ -187,6 +187,8 @@ EDITORS = {
     "delete": ("group sub id 2:20\ndelete_bonds sub bond 1 remove special\n", "were edited"),
     "off": ("group sub id 2:20\ndelete_bonds sub bond 1\n", "were edited"),
     "delete dihedrals": ("group sub id 2:20\ndelete_bonds sub dihedral 1 remove\n", "were edited"),
+    "delete a node": (
+        "group sub id 5\ndelete_atoms group sub bond yes\n", "delete_atoms of some nodes"),
     "create": ("create_bonds single/bond 1 5 140 special no\n", "were edited"),
     "delete and create": (
         "group sub id 2:43\ndelete_bonds sub bond 1 remove special\n{again}",

@@ -393,6 +393,27 @@ def test_1_2_and_4_ranks_agree_on_tiles(lmp, scenes, boundary):
     agree(lmp, text, 3)
 
 
+# --- place in the box -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shift", [(7.31, -4.17, 2.93), (24.97, 25.03, -24.99)])
+def test_place_in_the_box_changes_nothing(lmp, scenes, shift):
+    """Two generations elsewhere, and across a corner: the same cells, but for round-off."""
+
+    def last(at):
+        scene = scene_of(scenes, 25.0, "p p p")
+        scene.dcm(*(1.0 + np.array(at)), 6.0)
+        result = lmp(deck(scene, scenes, 2 * PERIOD + 10, every=10))
+        assert len(read_log(result.path)) == 3
+        return frame_at(result, 2 * PERIOD + 10)
+
+    one, other = last((0.0, 0.0, 0.0)), last(shift)
+    for name in ("id", "mol", "type"):
+        assert (one[name] == other[name]).all(), name
+    way = (other.x - one.x - shift + 25.0) % 50.0 - 25.0
+    assert np.abs(way).max() < 1e-9
+
+
 # --- restart files --------------------------------------------------------------------------------
 
 

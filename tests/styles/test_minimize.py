@@ -1,5 +1,7 @@
 """Energy minimization: which styles relax cells, to which state, and which are refused."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -346,6 +348,17 @@ def test_box_relax_is_refused_with_contact(lmp, scenes):
     fails(lmp, deck, "Fix dcm/cell: min_style cg follows the energy",
           run="min_style cg\nminimize 0 1e-6 10 10\n")  # fmt: skip
     fails(lmp, deck, "box/relax", run="min_style fire\nminimize 0 1e-6 10 10\n")  # by LAMMPS
+
+
+@pytest.mark.parametrize("dt", [2, 5])
+def test_too_large_a_timestep(lmp, scenes, dt):
+    """LAMMPS' damped styles bound the way of an atom, but not in the first iteration."""
+    deck = whole(scenes.doublet(gap=-1.0), extra=f"timestep {dt}\n")
+    result = lmp.run(deck + "min_style fire\nminimize 0 1e-6 10 10\n")
+    grown = "Pair style dcm/contact: the face .* has grown .* minimize with a smaller timestep than"
+    inverted = "Fix dcm/cell: cell . has volume -.* at step .*a time step too large"
+    assert result.returncode != 0
+    assert re.search(f"{grown}|{inverted}", result.error), result.tail()
 
 
 def test_spheres_have_an_energy(lmp, scenes):

@@ -154,6 +154,18 @@ def test_restart_is_bit_for_bit(lmp, scenes, np_):
             one[f"f_press[{k}]"] == two[f"f_press[{k}]"] for k in range(1, 7))
 
 
+def test_velocity_of_each_atom(lmp, scenes):
+    """An atom-style variable stretches a body: x grows as exp(0.01 t) in short steps."""
+    scene = scenes.Scene(30.0, "f f f")
+    scene.dcm(0.0, 0.0, 0.0, 6.0)
+    deck = (scene.head() + scene.forces() + "variable v atom 0.01*x\n"
+            + "fix body all dcm/move linear v_v 0 0\n" + scene.motion())
+    first, last = lmp(deck + scenes.dump("id type xu yu zu", 100) + "timestep 0.1\nrun 100\n").dump()
+    nodes = first["type"] == 2
+    np.testing.assert_allclose(last["xu"][nodes], 1.001**100 * first["xu"][nodes], rtol=1e-9)
+    np.testing.assert_allclose(last["yu"][nodes], first["yu"][nodes], atol=1e-12)
+
+
 def test_too_fast_a_plate_is_told(lmp, scenes):
     """A plate is large, the cells before it are not: the step is measured with their edges."""
     scene = scenes.Scene(60.0, "f f f")
@@ -180,8 +192,9 @@ BAD = {
     "two": ("linear 1 2", "linear needs 3 values, got 2"),
     "text": ("linear 1 2 fast", "linear is 'fast'"),
     "no axis": ("rotate 0 0 0 0 0 0 1", "rotate is 0.*an axis that is not 0 0 0"),
-    "no variable": ("linear 0 0 v_none", "there is no equal-style variable none"),
-    "atom style": ("linear 0 0 v_a", "there is no equal-style variable a"),
+    "no variable": ("linear 0 0 v_none", "velocity: there is no .*variable none"),
+    "not a number": ("linear 0 0 v_bad", "variable bad gives the velocity"),
+    "of an atom": ("rotate 0 0 0 0 0 1 v_each", "variable each gives the rate .* for atom"),
 }
 
 
@@ -189,7 +202,7 @@ BAD = {
 def test_bad_arguments(lmp, scenes, case):
     words, pattern = BAD[case]
     scene = scenes.doublet()
-    fails(lmp, scene.head() + scene.forces() + "variable a atom x\ngroup one molecule 1\n"
+    fails(lmp, scene.head() + scene.forces() + "variable bad equal ln(-1.0)\nvariable each atom ln(-1.0)+x\ngroup one molecule 1\n"
           + f"fix push one dcm/move {words}\n" + scene.motion(), "Fix dcm/move", pattern)
 
 

@@ -10,6 +10,7 @@ from .mutate import ABSURD, pick
 
 TYPES = "hepatoblast hepatoblast hepatoblast hepatoblast_cbm NULL chol chol chol"
 PARAMETERS = "test.dcm"
+REGIONS = ("lateral", "polar", "apical", "junction", "basal")
 TRACER = 5
 
 
@@ -167,6 +168,7 @@ class Deck:
             lambda: f"range {self.number(2.0, 3.0)} maxoverlap {self.number(1.5, 2.0)}",
             lambda: f"concave {self.one('flat', 'negative')}",
             lambda: f"growth {self.number(1, 3)}",
+            lambda: f"facing {self.number(0, 40)} {self.number(41, 90)}",
         )  # fmt: skip
         if law == "maugis" and self.maybe(0.5):
             style += f" branch {self.one('cutoff', 'history')}"
@@ -175,6 +177,7 @@ class Deck:
         self.coeff = f"pair_coeff * * {self.names()} " + self.some(
             0.15, lambda: f"W {self.number(0.01, 0.3)}", lambda: f"E_contact {self.number(1, 10)}",
             lambda: f"friction_normal {self.number(1, 100)}", lambda: f"a1 {self.number(0, 1)}",
+            lambda: f"a{self.whole(2, 4)} {self.number(-1, 1)}",
             *[lambda: f"layer {self.number(0.05, 0.5)}"] * (law == "foundation" or bool(self.wild)),
         )  # fmt: skip
         lines.append(self.coeff)
@@ -222,16 +225,19 @@ class Deck:
         options = [
             lambda: f"friction_ecm {self.number(0.1, 10)}", lambda: f"floor {self.number(0, 1)}",
             lambda: f"precondition {self.one('block', 'jacobi', 'none')}",
-            lambda: f"maxmove {self.number(0.3, 1)}", lambda: f"maxiter {self.whole(500, 5000)}",
-            lambda: f"stop {self.number(1, 50)}",
+            lambda: f"maxmove {self.number(0.3, 1)} {self.one('', 'shrink')}",
+            lambda: f"maxiter {self.whole(500, 5000)}", lambda: f"stop {self.number(1, 50)}",
         ]  # fmt: skip
-        if scheme == "implicit":
-            options.append(lambda: f"dt auto tol {self.number(0.005, 0.1)} "
+        accuracy = ""
+        if scheme == "implicit" or self.absurd():
+            accuracy = self.some(0.3, lambda: f"accuracy {self.number(0.001, 0.2)}")
+            tol = "" if accuracy and self.maybe(0.8) else f"tol {self.number(0.005, 0.1)}"
+            options.append(lambda: f"dt auto {tol} "
                            + self.some(0.5, lambda: f"min {self.number(0.001, 0.1)}",
                                        lambda: f"max {self.number(1, 60)}"))  # fmt: skip
         # the group of spheres would leave nodes that do not move: a warning at most
         self.fix("motion", f"{self.one('all', 'all', 'all', 'deformable')} dcm/motion "
-                 f"{self.names()} scheme {scheme} tolerance {self.number(1e-10, 1e-10)} "
+                 f"{self.names()} scheme {scheme} tolerance {self.number(1e-10, 1e-10)} {accuracy} "
                  + self.some(0.2, *options))  # fmt: skip
 
     def motility(self):
@@ -240,13 +246,14 @@ class Deck:
                      0.4, lambda: f"D {self.number(1e-5, 1e-2)}",
                      lambda: f"bias {self.point(1)} {self.number(0, 5)}",
                      lambda: f"persistence {self.number(1, 100)}",
+                     lambda: f"interval {self.number(0.1, 20)}",
                      lambda: f"plane {self.one('x', 'y', 'z')}",
                      lambda: f"friction_ecm {self.number(0.1, 3)}"))  # fmt: skip
 
     def tension(self):
         self.fix("tension", f"{self.group()} dcm/tension {self.names()} " + self.some(
             0.5, lambda: f"tension {self.number(0.01, 0.5)}",
-            lambda: f"tension:{self.one('apical', 'basal', 'junction')} {self.number(0, 0.5)}",
+            lambda: f"tension:{self.one(*REGIONS)} {self.number(0, 0.5)}",
             "tension v_ramp"))  # fmt: skip
 
     def traction(self):
@@ -254,6 +261,12 @@ class Deck:
         load = self.one(f"pressure {p}", f"vector {x} {y} {z}", f"pressure {p} vector {x} {y} {z}")
         self.fix("traction", f"{self.group()} dcm/traction {load} " + self.some(
             0.3, "region half", lambda: f"faces {self.one('lateral', 'apical basal')}"))
+
+    def move(self):
+        x, y, z, w = (self.one(self.number(-0.1, 0.1), "v_ramp", "v_px") for _ in range(4))
+        turn = f"rotate {self.number(-9, 9)} 0 1 {self.one('0 0 1', '1 1 0', '0 0 0')} {w}"
+        how = self.one(f"linear {x} {y} {z}", turn, f"linear 0 {y} 0 {turn}")
+        self.fix("push", f"{self.group()} dcm/move {how}")
 
     def confine(self):
         pressure = self.maybe(0.5)
@@ -298,14 +311,18 @@ class Deck:
                              lambda: f"every {self.whole(1, 3)}", "log death.log"))  # fmt: skip
 
     def convert(self):
-        rule = self.one("region inner half", f"near first {self.number(5, 15)} "
-                        f"{self.number(15, 25)}", "variable v_form",
+        lumen = "osmosis" in self.fixes or bool(self.wild)
+        rule = self.one(*["lumen osmosis 12 18"] * lumen, "region inner half", "variable v_form",
+                        f"near first {self.number(5, 15)} {self.number(15, 25)}",
                         f"pressure {self.number(0.02, 0.1)} {self.number(-0.02, 0.02)}",
                         f"strain {self.number(0.1, 0.2)} {self.number(0, 0.1)}")  # fmt: skip
         self.fix("convert", f"{self.group()} dcm/convert dcm 1 2 3 1 1 cbm 4 {rule} " + self.some(
             0.4, lambda: f"mesh icosphere {self.whole(1, 1)}",
             lambda: f"rest {self.number(0.9, 1)}", lambda: f"every {self.whole(1, 3)}",
             lambda: f"hold {self.number(0, 5)}", lambda: f"seed {self.whole(1, 99)}"))  # fmt: skip
+        if self.maybe(0.2):
+            self.fix("again", f"{self.group()} dcm/convert dcm 1 2 3 1 1 cbm 4 "
+                     + self.one("region inner half", "variable v_form"))  # fmt: skip
 
     def polarity(self):
         self.fix("polarity", f"{self.group()} dcm/polarity seed {self.whole(1, 99)} " + self.some(
@@ -325,8 +342,12 @@ class Deck:
 
     def osmosis(self):
         dilute = self.one("", "", f"dilute {self.number(10, 1000)}")
-        what = self.one(f"pressure {self.number(0.01, 0.3)} {dilute}", "pressure v_ramp",
-                        f"solute rate {self.number(1e-6, 1e-3)} kT 2.5 loss 100")  # fmt: skip
+        what = self.one(
+            f"pressure {self.number(0.01, 0.3)} {dilute}",
+            "pressure v_ramp",
+            f"solute rate {self.number(1e-6, 1e-3)} kT 2.5 "
+            + self.some(0.7, "loss 100", lambda: f"least {self.number(0.1, 20)}"),
+        )
         apical = ["apical 50"] * ("polarity" in self.fixes or bool(self.wild))
         marks = "tracer" if "tracer" in self.fixes and self.maybe(0.5) else "flood"
         self.fix("osmosis", f"{self.group()} dcm/osmosis {what} marks {self.one(marks)} "
@@ -392,7 +413,8 @@ class Deck:
         self.fix("other", line)
 
     EFFECTS = ("motility", "tension", "traction", "confine", "growth", "division", "death",
-               "convert", "polarity", "tracer", "osmosis", "constriction", "signal")  # fmt: skip
+               "polarity", "tracer", "osmosis", "constriction", "signal", "convert",
+               "move")  # fmt: skip
 
     def effects(self):
         chosen = [name for name in self.EFFECTS if self.maybe(0.2)]
