@@ -104,7 +104,9 @@ class Crawl(Migration):
 
 
 NO = ("-var", "image", "no")
-UNSEEN = {scene.name: scene for scene in (
+DIVIDING = ("-var", "level", "1", "-var", "movie", "no")
+EXPERIMENT = ("experiments/start.lmp", "experiments/cell.lmp", "experiments/experiments.dcm")
+FIRST = (
     Unseen("crowd", "cells grow and divide in a periodic box that they fill", "crowd/in.crowd",
            900, 1.0, options=NO, files=["crowd/cells.txt"]),
     Unseen("drops", "two cells with surface tension adhere", "tension/in.tension", 2000, 0.1,
@@ -119,15 +121,43 @@ UNSEEN = {scene.name: scene for scene in (
            edits=[("pair_coeff", "pair_coeff * * W 0.4 friction_normal 10 friction_tangential 10")],
            options=("-var", "R", "4.5", *NO)),
     Unseen("spheroid of 42", "one cell becomes four in 4.6 h, 42 nodes", "spheroid/in.spheroid",
-           16560, 0.5, options=("-var", "cycle", "7200", "-var", "level", "1", "-var", "seed", "7",
-                                "-var", "movie", "no")),
+           16560, 0.5, options=("-var", "cycle", "7200", "-var", "seed", "7", *DIVIDING)),
     Unseen("layer", "a cell grows in a pressed layer of cells and spheres",
            "resolution/in.resolution", 900, 0.5, files=["resolution/cells.txt"],
            stop="run 1000000000"),
     Unseen("mother", "a cell that does not round up grows and divides", "acinus/in.acinus", 5400,
            0.5, edits=[("fix two", "")], files=["acinus/cells.txt"]),
     Crawl(),
-)}
+)
+# written when the accuracy of the program had got its present form, and not changed since
+SECOND = (
+    Unseen("other crowd", "the crowd with another seed and shorter cycles", "crowd/in.crowd", 900,
+           1.0, options=("-var", "seed", "8", "-var", "cycle", "2400", *NO),
+           files=["crowd/cells.txt"]),
+    Unseen("wet drops", "two small drops that adhere strongly", "tension/in.tension", 1500, 0.1,
+           options=("-var", "w", "0.8", "-var", "R", "5", "-var", "seed", "9")),
+    Unseen("pushed stickily", "spheres push a cell that they adhere to", "contact/in.border", 2000,
+           0.25, options=("-var", "W", "0.1", "-var", "law", "dmt", "-var", "force", "2")),
+    Unseen("other birth", "a cell of a longer cycle divides",
+           "division/in.division", 2400, 0.25, options=("-var", "level", "2", "-var", "cycle",
+                                                        "2000", *NO)),
+    Unseen("maugis pair", "two cells adhere by the law of Maugis", "doublet/in.doublet", 3000, 0.25,
+           options=("-var", "friction", "20", "-var", "law", "maugis", "-var", "seed", "11", *NO)),
+    Unseen("large pair", "two large cells of weak adhesion", "doublet/in.doublet", 3000, 0.25,
+           edits=[("pair_coeff", "pair_coeff * * W 0.05 friction_normal 5 friction_tangential 5")],
+           options=("-var", "R", "9", *NO)),
+    Unseen("other spheroid of 42", "one cell becomes four in 3 h, 42 nodes",
+           "spheroid/in.spheroid", 10800, 0.5,
+           options=("-var", "cycle", "5000", "-var", "seed", "3", *DIVIDING)),
+    Unseen("other mother", "the mother of another seed, law dmt", "acinus/in.acinus", 5400, 0.5,
+           edits=[("fix two", "")], options=("-var", "seed", "4", "-var", "law", "dmt"),
+           files=["acinus/cells.txt"]),
+    Unseen("shock", "a cell swells by a third beside one that does not", "experiments/in.shock", 60,
+           0.02, edits=[("thermo_modify", "")], files=EXPERIMENT),
+    Unseen("thirteen", "thirteen cells round up to a spheroid", "experiments/in.compress", 600, 0.1,
+           options=NO, files=[*EXPERIMENT, "experiments/compress.cells"]),
+)
+UNSEEN = {scene.name: scene for scene in FIRST + SECOND}
 SCENES |= UNSEEN
 
 
@@ -142,9 +172,16 @@ def points():
             for changes in (fine(s), *(dict(step=x, longest="60") for x in steps))]
 
 
+def there(scene, reference):
+    """Quantities of a scene that are not zero all the time, as contacts are of cells that do not
+    touch."""
+    return [q for q in scene.quantities if np.any([*reference.values[q.of].values()])]
+
+
 def errors_of(scene, result, reference):
     """Relative error of each quantity, NaN where cells or events are not the same."""
-    return {q.name: error(q, result.values, reference.values)[1] for q in scene.quantities}
+    return {q.name: error(q, result.values, reference.values)[1]
+            for q in there(scene, reference)}
 
 
 def judge(look):
@@ -174,7 +211,7 @@ def outcome(scene, step, reference, look):
     """(relative error of each quantity, CPU seconds) of a run; NaN if it failed."""
     result = look(Point.of(scene.name, step=step, longest="60"))
     if result is None or result.note:
-        return {q.name: math.nan for q in scene.quantities}, math.nan
+        return {q.name: math.nan for q in there(scene, reference)}, math.nan
     return errors_of(scene, result, reference), result.seconds
 
 
@@ -183,7 +220,17 @@ NAMES = ("scene", "accuracy", "kept", "quantities", "largest error", "of", "CPU 
 
 
 def verdict(rows):
-    """Lines: share of quantities within the promise, cost against the best setting by hand."""
+    """Lines for both sets: share of quantities within the promise, cost against the best setting
+    by hand."""
+    lines = []
+    for title, scenes in (("first ten", FIRST), ("second ten", SECOND)):
+        names = {scene.name for scene in scenes}
+        lines += [f"{title}, {line}" for line in promises([r for r in rows if r[0] in names])]
+    return lines
+
+
+def promises(rows):
+    """A line for each accuracy."""
     lines = []
     for a in ACCURACIES:
         mine = [r for r in rows if r[1] == a]
