@@ -15,8 +15,10 @@ class DeckChanged(ValueError):
 
 
 def example(path):
-    """Text of a file below examples, one command a line (continued lines are joined)."""
-    return re.sub(r"&[ \t]*\n\s*", "", (EXAMPLES / path).read_text(encoding="ascii"))
+    """Text of a file below examples, one command a line (continued lines are joined), without
+    pictures and trajectories, whose times would be those of steps as well."""
+    text = re.sub(r"&[ \t]*\n\s*", "", (EXAMPLES / path).read_text(encoding="ascii"))
+    return re.sub(r"^(variable\s+(?:image|movie)\s+index\s+)yes", r"\1no", text, flags=re.M)
 
 
 def swap(text, begin, new, count=1):
