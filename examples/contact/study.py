@@ -84,7 +84,8 @@ def command(args, part, law, layer, level, settings):
         values.update(image="no", scheme="implicit")
     elif part == "angle":
         values.update(scheme=AUTO.format(tol=0.02, stop=2500), settle=5000)
-    words = [args.lmp, "-in", str(HERE / DECKS[part]), "-log", "log", "-nocite"]
+    words = [args.lmp, "-in", str(HERE / DECKS[part]), "-log", "log", "-nocite",
+             "-var", "image", "no"]
     for name, value in values.items():
         words += ["-var", name, str(value)]
     return words

@@ -50,7 +50,8 @@ def run(args, border, seed):
     folder.mkdir(parents=True)
     shutil.copy(HERE / "cells.txt", folder)
     command = ["mpirun", "-np", str(args.np)] if args.np > 1 else []
-    command += [args.lmp, "-in", str(HERE / "in.resolution"), "-log", "log", "-nocite"]
+    command += [args.lmp, "-in", str(HERE / "in.resolution"), "-log", "log", "-nocite",
+                "-var", "image", "no"]
     for name, value in {"border": border, "seed": seed, **dict(args.set)}.items():
         command += ["-var", name, str(value)]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)

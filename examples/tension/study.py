@@ -33,7 +33,8 @@ COLUMNS = ["law", "nodes", "w", "seed", "settings", *PRINTED, "note"]
 def run(args, level, w, seed):
     settings = dict(law=args.law, level=level, w=w, seed=seed)
     settings.update(one.split("=", 1) for one in args.set)
-    command = [args.lmp, "-in", str(HERE / "in.tension"), "-log", "none"]
+    command = [args.lmp, "-in", str(HERE / "in.tension"), "-log", "none",
+               "-var", "image", "no"]
     for name, value in settings.items():
         command += ["-var", name, str(value)]
     with tempfile.TemporaryDirectory() as folder:

@@ -1,9 +1,9 @@
 """tools/check docs: what the manual and the .md files point to is there.
 
 Names of files of the repository in the text, links and pictures of .md files, targets of pictures
-and the pages of LAMMPS' manual that doc/conf.py allows. Not what Sphinx checks itself (links between
-pages), nor addresses of other sites (tools/check links). Run from the root of the repository,
-standard library only.
+and the pages of LAMMPS' manual that doc/conf.py allows. Not what Sphinx checks itself (links
+between pages), nor addresses of other sites (tools/check links). Run from the root of the
+repository, standard library only.
 
   python check_links.py [DOC_OF_LAMMPS]      the folder doc/src of LAMMPS, to look up its pages
 """

@@ -239,7 +239,8 @@ next            k
 jump            SELF again
 """
         (folder / "in.run").write_text(text)
-        return ["-var", "level", s["level"], "-var", "law", s["law"], "-var", "layer", s["layer"]]
+        return ["-var", "level", s["level"], "-var", "law", s["law"], "-var", "layer", s["layer"],
+                "-var", "image", "no"]
 
     def read(self, folder):
         text, found = (folder / "log.lammps").read_text(), {}
@@ -415,7 +416,8 @@ class Border(Scene):
         (folder / "in.run").write_text(text)
         shutil.copy(EXAMPLES / "resolution/cells.txt", folder)
         return ["-var", "border", s["border"], "-var", "level", s["level"], "-var", "seed",
-                s["seed"], "-var", "motion", self.move(s), "-var", "hours", f"{self.hours}"]
+                s["seed"], "-var", "motion", self.move(s), "-var", "hours", f"{self.hours}",
+                "-var", "image", "no"]
 
     def read(self, folder):
         _, rows = decks.frames(folder / "resolution.table")[-1]
