@@ -34,13 +34,17 @@ RUNS = [
     ("indent", {}),
     *[("indent", options) for options in INDENTS],
     *[("stretch", options) for options in ({}, {"level": 2}, {"level": 4})],
+    *[("contract", options) for options in ({}, {"level": 2}, {"level": 4})],
     *[("aspirate", options) for options in ({}, {"level": 2}, {"level": 4})],
     *[("sorting", options) for options in ({}, {"seed": 2}, {"seed": 3})],
     *[("sorting", {"W": 0.05, "seed": seed}) for seed in (1, 2, 3)],
     ("compress", {}),
     ("compress", {"level": 3}),
 ]
-SAYS = ("depth", "strain", "recoil", "suction", "sucked", "shocked", "the other", "demixing")
+SAYS = (
+    "depth", "strain", "recoil", "suction", "sucked", "contracted", "let go", "shocked", "the other",
+    "demixing",
+)  # fmt: skip
 
 
 def log_of(out, deck, options):
@@ -76,8 +80,7 @@ def draw(out, path):
     import matplotlib.pyplot as plt
 
     fig, axes = plt.subplots(2, 4, figsize=(17, 7.5), constrained_layout=True)
-    ((press, relax, indent, aspirate), (shock, stretch, sorting, unused)) = axes
-    unused.axis("off")
+    ((press, relax, indent, aspirate), (shock, stretch, contract, sorting)) = axes
     for options, style in (({}, "o:"), ({"level": 3}, "s-")):
         log = read_log(log_of(out, "compress", options))
         label = "642 nodes a cell" if options else "162 nodes a cell"
@@ -126,6 +129,13 @@ def draw(out, path):
     stretch.plot(t, (log["ratio"] - 1) / (1 + log["ratio"] / 2), "o", ms=3, label="642 nodes")
     stretch.plot(t[t > 0], e[t > 0], "k-", lw=0.8)
     stretch.set(title="stretch", xlabel="time (s)", ylabel="strain", xlim=(0, 360))
+    log = read_log(log_of(out, "contract", {}))
+    before = np.flatnonzero(log["Time"] >= 100)[0]
+    for name, label in (
+        ("apical", "apical area"), ("height", "height"), ("factor", "factor on rest lengths")
+    ):  # fmt: skip
+        contract.plot(log["Time"], log[name] / log[name][before], lw=1.2, label=label)
+    contract.set(title="contract", xlabel="time (s)", ylabel="over that before", xlim=(60, 420))
     for deck, options in RUNS:
         if deck == "sorting":
             log = read_log(log_of(out, deck, options))
@@ -140,7 +150,9 @@ def draw(out, path):
     fig.savefig(path, dpi=80)
 
 
-PICTURES = ("compress", "indent", "stretch", "aspirate", "sorting.start", "sorting.end")
+PICTURES = (
+    "compress", "indent", "stretch", "aspirate", "contract", "sorting.start", "sorting.end"
+)  # fmt: skip
 
 
 def draw_cells(out, path):

@@ -253,6 +253,14 @@ const std::string &DCMParameters::region_name(int region)
   return REGIONS[region];
 }
 
+std::vector<int> DCMParameters::parse_regions(DCMArgs &args)
+{
+  std::vector<int> regions;
+  do regions.push_back(args.choose({REGIONS.begin(), REGIONS.end()}));
+  while (!args.keyword_ahead());
+  return regions;
+}
+
 /* ----------------------------------------------------------------------
    the most specific entry counts: both regions named, one named, none named. Where one entry names
    the region of the one face and another that of the other, the lower value: it must not depend on

@@ -65,6 +65,9 @@ class DCMParameters : protected Pointers, public DCMRanges {
   // name of a surface region, as in the file: NAME:REGION, KEYWORD:REGION
   static const std::string &region_name(int region);
 
+  // one name or more, up to the next keyword
+  static std::vector<int> parse_regions(DCMArgs &);
+
   // work of adhesion W (energy/area) between region ri of slot i and region rj of slot j;
   // error when the file names no adhesion for the two cell types
   double adhesion(int i, int ri, int j, int rj) const;

@@ -31,17 +31,28 @@ void DCMRestChange::begin(FixDCMCell *_cell)
   farthest = 0.0;
 }
 
+void DCMRestChange::mark(int row)
+{
+  if (!any) {
+    lengths.assign(cell->cells().size(), 1.0);
+    changed.assign(cell->cells().size(), 0);
+  }
+  any = true;
+  changed[row] = 1;
+}
+
+void DCMRestChange::set_volume(int row, double volume0)
+{
+  mark(row);
+  cell->change_cells().set_volume0(row, volume0);
+}
+
 void DCMRestChange::set(int row, double volume0, double factor)
 {
   auto &table = cell->change_cells();
   const double before = table[row].volume0;
   if (volume0 == before && factor == 1.0) return;
-  if (!any) {
-    lengths.assign(table.size(), 1.0);
-    changed.assign(table.size(), 0);
-  }
-  any = true;
-  changed[row] = 1;
+  mark(row);
   lengths[row] *= factor * std::cbrt(volume0 / before);
   table.set_volume0(row, volume0);
   if (!table[row].deformable)

@@ -35,6 +35,9 @@ class DCMRestChange : protected Pointers {
   // factor: on the rest lengths, beyond that for the change of volume
   void set(int row, double volume0, double factor = 1.0);
 
+  // the rest volume of a deformable cell alone: its cortex stays what it is
+  void set_volume(int row, double volume0);
+
   // true: a sphere has left the radius that the neighbor lists were built for
   bool apply();
 
@@ -44,6 +47,8 @@ class DCMRestChange : protected Pointers {
   double farthest = 0.0;          // change of a radius since the lists were built
   std::vector<double> lengths;    // per row: factor on its rest lengths, 1: unchanged
   std::vector<char> changed;      // per row
+
+  void mark(int row);
 };
 
 }    // namespace LAMMPS_NS

@@ -38,6 +38,7 @@ class DCMValue {
 
   bool varies() const { return !name.empty(); }
   bool per_atom() const { return style == ATOM; }    // after find()
+  const std::string &variable() const { return name; }
 
   // with the computes that the variables name, as LAMMPS' fixes do; an error if an equal-style one
   // is no number

@@ -34,9 +34,10 @@ static const char STYLE[] = "Fix dcm/constriction";
 ------------------------------------------------------------------------- */
 
 FixDCMConstriction::FixDCMConstriction(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cap(0.7), ribbon(0.5), ramp(300.0), when(LUMEN), when_time(0.0),
-    release(true), dcm(AtomVecDCM::require(lmp, STYLE)), cell(nullptr)
+    DCMSlotLengths(lmp, narg, arg), cap(0.7), ribbon(0.5), ramp(300.0), when(LUMEN), when_time(0.0),
+    release(true), cell(nullptr)
 {
+  AtomVecDCM::require(lmp, STYLE);
   nevery = 1;
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3,
                {"cap", "ribbon", "ramp", "when", "release", "every"});
@@ -61,11 +62,7 @@ FixDCMConstriction::FixDCMConstriction(LAMMPS *lmp, int narg, char **arg) :
   size_vector = 4;
   extvector = 0;
   global_freq = 1;
-  restart_peratom = 1;
-  create_attribute = 1;    // atoms that come in a run begin with empty slots
-  FixDCMConstriction::grow_arrays(atom->nmax);
-  atom->add_callback(Atom::GROW);
-  atom->add_callback(Atom::RESTART);
+  keep_lengths();
 }
 
 /* ----------------------------------------------------------------------
@@ -76,11 +73,9 @@ FixDCMConstriction::~FixDCMConstriction()
 {
   for (int i = 0; i < atom->nlocal; i++)
     for (int m = 0; m < nslots(i); m++) {
-      auto &length = slots[(size_t) i * width + m].length;
+      auto &length = slot(i, m).length;
       if (length.factor > 0.0) dcm->l0[i][m] = length.at(0.0, dcm->l0[i][m]);
     }
-  atom->delete_callback(id, Atom::GROW);
-  atom->delete_callback(id, Atom::RESTART);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -101,8 +96,7 @@ void FixDCMConstriction::init()
   auto &table = cell->change_cells();
   since = table.add(STYLE, "constricted", DCMColumn::RESET, -1.0, {}, since);
   share = table.add(STYLE, "constriction", DCMColumn::RESET, 0.0, {}, share);
-  widen();
-  maxexchange = 1 + NSLOT * width;
+  init_lengths();
 
   check_before_motion(lmp, this, STYLE);
   check_after(lmp, this, STYLE, "dcm/growth");
@@ -227,12 +221,12 @@ int FixDCMConstriction::choose_edges(int i, const DCMCellTable::Cell &it)
     const auto edge = dcm::constricted_edge<int>(dcm->region[cell->faces()[two[0]].atom],
                                                  dcm->region[cell->faces()[two[1]].atom],
                                                  AtomVecDCM::JUNCTION, AtomVecDCM::APICAL);
-    Slot &slot = slots[(size_t) i * width + m];
-    slot = Slot();
+    Slot &mine = slot(i, m);
+    mine = Slot();
     if (edge == ConstrictedEdge::NONE) continue;
-    slot.edge = (double) edge;
-    slot.length.factor = edge == ConstrictedEdge::RIBBON ? ribbon : cap;
-    slot.length.base = slot.length.written = dcm->l0[i][m];
+    mine.edge = (double) edge;
+    mine.length.factor = edge == ConstrictedEdge::RIBBON ? ribbon : cap;
+    mine.length.base = mine.length.written = dcm->l0[i][m];
     n++;
   }
   return n;
@@ -283,7 +277,7 @@ void FixDCMConstriction::write_lengths()
     const int row = cell->cell_of(i);
     if (!changed[row]) continue;
     for (int m = 0; m < atom->num_bond[i]; m++) {
-      auto &length = slots[(size_t) i * width + m].length;
+      auto &length = slot(i, m).length;
       if (length.factor > 0.0) dcm->l0[i][m] = length.at((*share)(row), dcm->l0[i][m]);
     }
   }
@@ -320,10 +314,10 @@ double FixDCMConstriction::compute_vector(int n)
   for (int i = 0; i < atom->nlocal; i++) {
     if (dcm->kind[i] != AtomVecDCM::NODE) continue;
     for (int m = 0; m < atom->num_bond[i]; m++) {
-      const Slot &slot = slots[(size_t) i * width + m];
-      if (!(slot.length.factor > 0.0)) continue;
-      sums[slot.edge == (double) ConstrictedEdge::RIBBON ? 0 : 1] += 1.0;
-      sums[2] += dcm::constriction_factor(slot.length.factor, (*share)(cell->cell_of(i)));
+      const Slot &mine = slot(i, m);
+      if (!(mine.length.factor > 0.0)) continue;
+      sums[mine.edge == (double) ConstrictedEdge::RIBBON ? 0 : 1] += 1.0;
+      sums[2] += dcm::constriction_factor(mine.length.factor, (*share)(cell->cell_of(i)));
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, world);
@@ -334,101 +328,5 @@ double FixDCMConstriction::compute_vector(int n)
 
 double FixDCMConstriction::memory_usage()
 {
-  return (double) slots.capacity() * sizeof(Slot);
-}
-
-/* ----------------------------------------------------------------------
-   per bond slot, with the atom that stores the bond
-------------------------------------------------------------------------- */
-
-void FixDCMConstriction::grow_arrays(int nmax)
-{
-  widen();
-  slots.resize((size_t) nmax * width);
-}
-
-// bond slots per atom may have become more since; then no atom has any yet, or few
-
-void FixDCMConstriction::widen()
-{
-  const int wanted = atom->bond_per_atom;
-  if (wanted <= width) return;
-  std::vector<Slot> before;
-  before.swap(slots);
-  slots.resize((size_t) atom->nmax * wanted);
-  for (size_t i = 0; width > 0 && (i + 1) * width <= before.size(); i++)
-    std::copy_n(before.begin() + i * width, width, slots.begin() + i * wanted);
-  width = wanted;
-}
-
-void FixDCMConstriction::copy_arrays(int i, int j, int /*delflag*/)
-{
-  std::copy_n(slots.begin() + (size_t) i * width, width, slots.begin() + (size_t) j * width);
-}
-
-void FixDCMConstriction::set_arrays(int i)
-{
-  widen();
-  std::fill_n(slots.begin() + (size_t) i * width, width, Slot());
-}
-
-// slots to be sent: all bonds of the atom, none if none of them constricts
-
-int FixDCMConstriction::nslots(int i) const
-{
-  const int n = std::min(atom->num_bond[i], width);
-  const auto first = slots.begin() + (size_t) i * width;
-  return std::any_of(first, first + n,
-                     [](const Slot &slot) {
-                       return slot.length.factor > 0.0;
-                     })
-             ? n
-             : 0;
-}
-
-int FixDCMConstriction::pack_exchange(int i, double *buf)
-{
-  const int n = nslots(i);
-  buf[0] = n;
-  for (int m = 0; m < n; m++) {
-    const Slot &slot = slots[(size_t) i * width + m];
-    const double values[NSLOT] = {slot.edge, slot.length.factor, slot.length.base,
-                                  slot.length.written};
-    std::copy_n(values, NSLOT, buf + 1 + NSLOT * m);
-  }
-  return 1 + NSLOT * n;
-}
-
-int FixDCMConstriction::unpack_exchange(int i, double *buf)
-{
-  set_arrays(i);
-  const int n = (int) buf[0];
-  for (int m = 0; m < n; m++) {
-    const double *const values = buf + 1 + NSLOT * m;
-    slots[(size_t) i * width + m] = {values[0], {values[1], values[2], values[3]}};
-  }
-  return 1 + NSLOT * n;
-}
-
-int FixDCMConstriction::pack_restart(int i, double *buf)
-{
-  buf[0] = size_restart(i);
-  return 1 + pack_exchange(i, buf + 1);
-}
-
-void FixDCMConstriction::unpack_restart(int i, int nth)
-{
-  double *extra = atom->extra[i];
-  for (int n = 0; n < nth; n++) extra += (int) *extra;
-  unpack_exchange(i, extra + 1);
-}
-
-int FixDCMConstriction::size_restart(int i)
-{
-  return 2 + NSLOT * nslots(i);
-}
-
-int FixDCMConstriction::maxsize_restart()
-{
-  return 2 + NSLOT * atom->bond_per_atom;
+  return bytes();
 }

@@ -20,8 +20,8 @@ FixStyle(dcm/constriction,DCMTimedFix<FixDCMConstriction>);
 #include "dcm_cell_table.h"
 #include "dcm_request.h"
 #include "dcm_role.h"
+#include "dcm_slot_lengths.h"
 #include "dcm_timed.h"
-#include "fix.h"
 #include "law/constriction.h"
 
 #include <vector>
@@ -32,7 +32,7 @@ namespace LAMMPS_NS {
 // junction ribbon and of its apical cap, and lets go when it rounds up to divide (S1 eqs 11-13).
 // Which edges, and their rest lengths without it, is kept per bond slot.
 
-class FixDCMConstriction : public Fix, public DCMRole {
+class FixDCMConstriction : public DCMSlotLengths, public DCMRole {
  public:
   FixDCMConstriction(class LAMMPS *, int, char **);
   ~FixDCMConstriction() override;
@@ -46,32 +46,13 @@ class FixDCMConstriction : public Fix, public DCMRole {
   double longest_step() override;
   void cell_converted(int, double) override;
 
-  // what is kept per bond slot
-
-  void grow_arrays(int) override;
-  void copy_arrays(int, int, int) override;
-  void set_arrays(int) override;
-  int pack_exchange(int, double *) override;
-  int unpack_exchange(int, double *) override;
-  int pack_restart(int, double *) override;
-  void unpack_restart(int, int) override;
-  int size_restart(int) override;
-  int maxsize_restart() override;
-
  private:
   enum When { LUMEN, BORN, TIME };
-  struct Slot {
-    double edge = 0.0;    // a dcm::ConstrictedEdge
-    dcm::ConstrictedLength length = {0.0, 0.0, 0.0};
-  };
-  static constexpr int NSLOT = 4;    // numbers of a Slot in messages
-
   double cap, ribbon, ramp;
   When when;
   double when_time;
   bool release;
 
-  struct DCMAtoms *dcm;
   class FixDCMCell *cell;
   DCMRequest<> adjacency;
   DCMCellTable::Handle since;    // per cell: time when it began, < 0: it has not
@@ -79,8 +60,6 @@ class FixDCMConstriction : public Fix, public DCMRole {
   DCMCellTable::Handle share;    // of the ramp, 0 to 1
   bool warned = false;
 
-  int width = 0;                // slots per atom
-  std::vector<Slot> slots;      // of local atoms
   std::vector<double> found;    // per row: edges of cells whose turn it may be
   std::vector<char> changed;    // per row: its share of the ramp is another one
 
@@ -89,9 +68,7 @@ class FixDCMConstriction : public Fix, public DCMRole {
   int choose_edges(int i, const DCMCellTable::Cell &);
   bool advance();
   void write_lengths();
-  int nslots(int i) const;
   void check_edges();
-  void widen();
 };
 
 }    // namespace LAMMPS_NS

@@ -15,16 +15,13 @@
 #include "dcm_unknowns.h"
 #include "error.h"
 #include "group.h"
-#include "input.h"
 #include "law/stiffness.h"
 #include "law/tension.h"
-#include "modify.h"
 #include "update.h"
-#include "variable.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <limits>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -33,7 +30,7 @@ using dcm::Vec3;
 
 static const char STYLE[] = "Fix dcm/tension";
 static const char TENSION[] = "tension";
-static constexpr double NOT_GIVEN = -1.0;
+static constexpr double NOT_GIVEN = -1.0, PER_FACE = std::numeric_limits<double>::max();
 
 // tension, or tension:REGION
 
@@ -56,14 +53,14 @@ static std::vector<std::string> keywords()
 
 FixDCMTension::FixDCMTension(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cell(nullptr), parameters(lmp, STYLE, keywords()), varies(false),
-    started(false), energy(), all_energy(), summed(false)
+    started(false), of_face(), energy(), all_energy(), summed(false)
 {
   dcm = AtomVecDCM::require(lmp, STYLE);
 
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {});
   parameters.parse(args, atom->ntypes);
   while (args.next()) parse(args);
-  for (const auto &one : given) varies = varies || !one.variable.empty();
+  for (const auto &one : given) varies = varies || one.value.varies();
 
   scalar_flag = vector_flag = 1;
   size_vector = NREGION;
@@ -82,12 +79,8 @@ void FixDCMTension::parse(DCMArgs &args)
     if (!args.is(keyword_of(r))) continue;
     given[r] = Given();
     given[r].yes = true;
-    if (args.ahead() && strncmp(args.ahead(), "v_", 2) == 0) {
-      given[r].variable = args.text() + 2;
-      args.check(!given[r].variable.empty(), "a number, or v_NAME of an equal-style variable");
-    } else {
-      given[r].value = args.number(DCMArgs::NONNEGATIVE);
-    }
+    given[r].value.parse(args);
+    args.check(given[r].value.varies() || given[r].value() >= 0.0, "zero or positive");
   }
 }
 
@@ -104,18 +97,21 @@ void FixDCMTension::init()
   cell = FixDCMCell::require(lmp, STYLE);
   dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   parameters.resolve();
-  find_variables();
+  for (auto &one : given) one.value.find(lmp, STYLE);
+  for (int r = 0; r < NREGION; r++) {
+    const Given *const one = given_for(r);
+    of_face[r] = one && one->value.per_atom() ? &one->value : nullptr;
+  }
   read_tensions();
 }
 
-void FixDCMTension::find_variables()
+// what the deck says of a region, nullptr: nothing
+
+const FixDCMTension::Given *FixDCMTension::given_for(int region) const
 {
-  for (const auto &one : given) {
-    if (one.variable.empty()) continue;
-    const int ivar = input->variable->find(one.variable.c_str());
-    if (ivar < 0 || !input->variable->equalstyle(ivar))
-      error->all(FLERR, "{}: there is no equal-style variable {}", STYLE, one.variable);
-  }
+  for (const int r : {region, ALL})
+    if (given[r].yes) return &given[r];
+  return nullptr;
 }
 
 /* ----------------------------------------------------------------------
@@ -139,32 +135,38 @@ void FixDCMTension::read_tensions()
 
 double FixDCMTension::tension_of(int type, int region) const
 {
-  for (const int r : {region, ALL})
-    if (given[r].yes) return given[r].value;
+  if (of_face[region]) return PER_FACE;
+  const Given *const one = given_for(region);
+  if (one) return one->value();
   const std::string own = keyword_of(region);
   return parameters.get(type, parameters.has(type, own) ? own : TENSION,
                         DCMParameters::NONNEGATIVE);
 }
 
 /* ----------------------------------------------------------------------
-   as LAMMPS does for variables that hold computes
+   atom-style variables at all atoms: which of them are faces of the cells is not told by the group
 ------------------------------------------------------------------------- */
 
 void FixDCMTension::evaluate_variables()
 {
   if (!varies) return;
-  modify->clearstep_compute();
-  for (auto &one : given) {
-    if (one.variable.empty()) continue;
-    one.value = input->variable->compute_equal(input->variable->find(one.variable.c_str()));
-    if (!(one.value >= 0.0) || !std::isfinite(one.value))
-      error->all(FLERR,
-                 "{}: variable {} gives the tension {} at step {}; it must be a number >= 0, since "
-                 "a surface that gains energy by growing crumples",
-                 STYLE, one.variable, one.value, update->ntimestep);
-  }
-  modify->addstep_compute(update->ntimestep + 1);
+  std::vector<DCMValue *> values;
+  for (auto &one : given)
+    if (one.value.varies()) values.push_back(&one.value);
+  DCMValue::evaluate(lmp, STYLE, values, 0);
+  for (const DCMValue *const value : values)
+    if (!value->per_atom() && value->operator()() < 0.0) refuse(*value, value->operator()());
   read_tensions();
+}
+
+void FixDCMTension::refuse(const DCMValue &value, double T) const
+{
+  const std::string what = fmt::format(
+      "{}: variable {} gives the tension {} at step {}; it must be a number >= 0, since a surface "
+      "that gains energy by growing crumples",
+      STYLE, value.variable(), T, update->ntimestep);
+  if (value.per_atom()) error->one(FLERR, what);
+  error->all(FLERR, what);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -192,7 +194,12 @@ void FixDCMTension::find_cells()
 double FixDCMTension::tension(const FixDCMCell::Face &face) const
 {
   const Tensions *const T = face.cell < 0 ? nullptr : of_row[face.cell];
-  return T ? (*T)[dcm->region[face.atom]] : 0.0;
+  if (!T) return 0.0;
+  const int region = dcm->region[face.atom];
+  if (!of_face[region]) return (*T)[region];
+  const double own = (*of_face[region])(face.atom);
+  if (!(own >= 0.0 && std::isfinite(own))) refuse(*of_face[region], own);
+  return own;
 }
 
 /* ----------------------------------------------------------------------

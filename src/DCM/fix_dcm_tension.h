@@ -21,6 +21,7 @@ FixStyle(dcm/tension,DCMTimedFix<FixDCMTension>);
 #include "dcm_parameters.h"
 #include "dcm_role.h"
 #include "dcm_timed.h"
+#include "dcm_value.h"
 #include "fix_dcm_cell.h"
 
 #include <array>
@@ -56,22 +57,23 @@ class FixDCMTension : public Fix, public DCMRole {
   DCMParameters parameters;
   struct Given {    // by the deck, per region and for all of them
     bool yes = false;
-    double value = 0.0;
-    std::string variable;    // gives the value
+    DCMValue value;
   };
   std::array<Given, NREGION + 1> given;
-  bool varies;                               // some value is that of a variable
-  bool started;                              // has been set up once
-  std::vector<Tensions> of_type;             // per atom type
-  std::vector<const Tensions *> of_row;      // per cell, nullptr: not acted on
-  bool anyone = true;                        // has any cell of the tissue a tension?
-  std::array<double, NREGION> energy;        // of this process, by region
-  std::array<double, NREGION> all_energy;    // of all, once somebody has asked
+  bool varies;                                      // some value is that of a variable
+  bool started;                                     // has been set up once
+  std::vector<Tensions> of_type;                    // per atom type
+  std::array<const DCMValue *, NREGION> of_face;    // by region: an atom-style variable, nullptr
+  std::vector<const Tensions *> of_row;             // per cell, nullptr: not acted on
+  bool anyone = true;                               // has any cell of the tissue a tension?
+  std::array<double, NREGION> energy;               // of this process, by region
+  std::array<double, NREGION> all_energy;           // of all, once somebody has asked
   bool summed;
 
   void parse(class DCMArgs &);
-  void find_variables();
+  const Given *given_for(int region) const;
   void evaluate_variables();
+  void refuse(const DCMValue &, double T) const;
   void read_tensions();
   double tension_of(int type, int region) const;
   void find_cells();

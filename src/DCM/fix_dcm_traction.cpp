@@ -52,7 +52,8 @@ FixDCMTraction::FixDCMTraction(LAMMPS *lmp, int narg, char **arg) :
     } else if (args.is("region")) {
       region_id = args.text();
     } else {
-      parse_faces(args);
+      loaded.fill(false);
+      for (const int r : DCMParameters::parse_regions(args)) loaded[r] = true;
     }
   }
   if (!any) error->all(FLERR, "{}: give 'pressure P', 'vector TX TY TZ' or both", STYLE);
@@ -62,19 +63,6 @@ FixDCMTraction::FixDCMTraction(LAMMPS *lmp, int narg, char **arg) :
   extvector = 1;
   global_freq = 1;
   virial_global_flag = virial_peratom_flag = 1;
-}
-
-/* ----------------------------------------------------------------------
-   one region or more, up to the next keyword
-------------------------------------------------------------------------- */
-
-void FixDCMTraction::parse_faces(DCMArgs &args)
-{
-  std::vector<std::string> names;
-  for (int r = 0; r < AtomVecDCM::NREGION; r++) names.push_back(DCMParameters::region_name(r));
-  loaded.fill(false);
-  do loaded[args.choose(names)] = true;
-  while (!args.keyword_ahead());
 }
 
 /* ---------------------------------------------------------------------- */

@@ -56,7 +56,6 @@ class FixDCMTraction : public Fix, public DCMRole {
   bool summed;
 
   std::vector<DCMValue *> values();
-  void parse_faces(DCMArgs &);
   bool inside(const double *) const;
 };
 

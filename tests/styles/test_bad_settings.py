@@ -95,6 +95,7 @@ GROUPS = {
     "death": ("dcm/death", "age 100", "type 2 3", "no center or sphere"),
     "volume": ("dcm/volume", "{map}", "type 2 3", "no center, which"),
     "tension": ("dcm/tension", "{map} tension 0.1", "type 3", "no center, which"),
+    "adapt": ("dcm/adapt", "rest 0.9", "type 2 3", "no center, which"),
     "traction": ("dcm/traction", "pressure 0.1", "type 1 2", "no face, which"),
     "motility": ("dcm/motility", "{map} seed 7", "type 2", "no center or sphere"),
     "confine": ("dcm/confine", "plane z 1.0", "type 2 3", "no center or sphere"),

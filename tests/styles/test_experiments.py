@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples" / "experiments"
 # of `cell` in experiments.dcm: nN/um^2, um, nN s/um, nN s/um^3
@@ -185,6 +185,85 @@ def test_aspirate(experiment):
         )
     before, after = numbers(result, "sucked")[0][1:]
     assert before < Rp + a < after
+
+
+# --- contract -------------------------------------------------------------------------------------
+
+
+def membrane(factor, part, R, rest, rings=40):
+    """A closed axisymmetric membrane of the cell's springs around the same volume, at rest.
+
+    A dense net of springs in all directions: on the area dA of the unloaded ball the squares of the
+    lengths add up to 2 sqrt(3) dA, and in a direction phi of the surface it is stretched by
+    lambda(phi)^2 = along^2 cos^2 + around^2 sin^2. The rest lengths of the part around the axis
+    have the factor. No bending. Returns (share -> area of the cap of this share of the ball,
+    height, pressure); the energy and its gradient are those of rings of cones.
+    """
+    border = math.acos(1 - 2 * part)
+    inner = round(rings * border / math.pi)
+    t = np.append(np.linspace(0, border, inner), np.linspace(border, math.pi, rings - inner)[1:])
+    ball = -2 * math.pi * R**2 * np.diff(np.cos(t))
+    along0, around0 = R * np.diff(t), ball / (2 * math.pi * R * np.diff(t))
+    l0 = rest * np.where((t[1:] + t[:-1]) / 2 < border, factor, 1.0)
+    cos2 = np.cos((np.arange(12)[:, None] + 0.5) * math.pi / 12) ** 2
+    stiffness, V0 = math.sqrt(3) * KS * ball, 4 / 3 * math.pi * R**3
+
+    def shape(u):
+        r, z = np.concatenate([[0], u[: len(t) - 2], [0]]), u[len(t) - 2 :]
+        slabs = math.pi / 3 * (r[1:] ** 2 + r[1:] * r[:-1] + r[:-1] ** 2)
+        return r, z, slabs, -(np.diff(z) * slabs).sum()
+
+    def energy(u):
+        r, z, slabs, V = shape(u)
+        dr, dz = np.diff(r), np.diff(z)
+        h = np.hypot(dr, dz)
+        along, around = h / along0, (r[1:] + r[:-1]) / 2 / around0
+        stretch = np.sqrt(cos2 * along**2 + (1 - cos2) * around**2)
+        value = (stiffness * ((stretch - l0) ** 2).mean(axis=0)).sum()
+        value += K_V * (V * math.log(V / V0) - V + V0)
+        pull = 2 * stiffness * (1 - l0 / stretch)
+        a = (pull * cos2).mean(axis=0) * along / along0 / h
+        b = (pull * (1 - cos2)).mean(axis=0) * around / around0 / 2
+        p = -K_V * math.log(V / V0)
+        q = p * math.pi / 3 * dz
+        by_r, by_z = np.zeros(len(t)), np.zeros(len(t))
+        by_r[1:] += a * dr + b + q * (2 * r[1:] + r[:-1])
+        by_r[:-1] += -a * dr + b + q * (2 * r[:-1] + r[1:])
+        by_z[1:] += a * dz + p * slabs
+        by_z[:-1] -= a * dz + p * slabs
+        return value, np.append(by_r[1:-1], by_z)
+
+    start = np.append(R * np.sin(t[1:-1]), R * np.cos(t))
+    found = minimize(energy, start, jac=True, method="BFGS", options=dict(gtol=1e-5))
+    assert np.abs(found.jac).max() < 1e-4
+    r, z, _, V = shape(found.x)
+    areas = np.append(0, np.cumsum(math.pi * np.hypot(np.diff(r), np.diff(z)) * (r[1:] + r[:-1])))
+    shares = np.append(0, np.cumsum(ball)) / ball.sum()
+    return lambda s: np.interp(s, shares, areas), z[0] - z[-1], -K_V * math.log(V / V0)
+
+
+@pytest.mark.parametrize("to,cap", [(0.7, 0.5), (0.85, 0.2)])
+def test_contract(experiment, to, cap):
+    """Area, height and pressure of the contracted cell to 1 %; nothing is left when it lets go.
+
+    The part that contracts is that of the edges between two apical faces.
+    """
+    R, rest = 6.0, 0.95
+    result = experiment("contract", to=to, cap=cap, hold=60, ramp=20)
+    before, after = result.runs[1][-1], result.runs[2][-1]
+    assert before["factor"] == 1.0 and after["factor"] == pytest.approx(to, abs=1e-9)
+    part = after["edges"] / 1920  # of 642 nodes
+    assert 0.9 < part / before["share"] < 1.0
+    (area0, height0, p0), (area, height, p) = (membrane(f, part, R, rest) for f in (1.0, to))
+    share = before["share"]
+    expected = [area(share) / area0(share), height / height0]
+    ratios = [after["apical"] / before["apical"], after["height"] / before["height"]]
+    assert abs(expected[0] - 1) > 0.1
+    assert ratios == pytest.approx(expected, rel=0.01)
+    assert before["pressure"] == pytest.approx(p0, rel=0.02)
+    assert after["pressure"] == pytest.approx(p, rel=0.02, abs=0.002)
+    assert numbers(result, "contracted")[0][:2] == pytest.approx(ratios, abs=1e-4)
+    assert numbers(result, "let go")[0][:2] == pytest.approx([1.0, 1.0], abs=0.005)
 
 
 # --- compress -------------------------------------------------------------------------------------

@@ -81,6 +81,7 @@ def test_cells_that_join_get_tracers(run, np_):
         ("fix x none dcm/confine plane z 10.0", "f_x[3]"),
         ("fix x none dcm/volume", "f_x[1]"),
         ("fix x none dcm/traction vector 0 0 0.1", "f_x[4]"),
+        ("fix x none dcm/adapt rest 0.9 faces lateral every 1", "f_x[3]"),
     ],
 )
 def test_cells_that_join_are_acted_on(run, line, output, np_):

@@ -342,6 +342,27 @@ def test_a_variable_in_time(lmp, scenes):
         assert get(row, "E") == pytest.approx(T * get(row, "A"), rel=1e-12)
 
 
+@pytest.mark.parametrize("np_", [1, 2])
+def test_a_variable_in_space(lmp, scenes, mesh, np_):
+    """Evaluated at the face atoms, where they are; of one region and of all others."""
+    faces, files = mesh
+    scene, deck = perturbed(scenes)
+    result = lmp(
+        deck.replace(LIST, "") + scene.contact() + POLARITY
+        + "variable T atom 0.2+0.01*y\nvariable U equal 0.4\n"
+        + tension(scene, "tension v_T tension:apical v_U") + "compute r all dcm/face region\n"
+        + scenes.dump("id type xu yu zu y fx fy fz c_r") + scenes.thermo(energies()) + "run 0\n",
+        files=files, np=np_,
+    )  # fmt: skip
+    frame, row = result.dump()[0], result.thermo[0]
+    nodes, face = frame["type"] == 2, frame["type"] == 3
+    x, region = frame.x[nodes], frame["c_r"][face]
+    T = np.where(region == 2, 0.4, 0.2 + 0.01 * frame["y"][face])
+    force = tension_force(x, faces, T)
+    assert np.abs(frame.f[nodes] - force).max() < 1e-13 * np.abs(force).max()
+    assert get(row, "all") == pytest.approx((T * areas_of(x, faces)).sum(), rel=1e-13)
+
+
 # --- ranks and restart ----------------------------------------------------------------------------
 
 
@@ -459,8 +480,9 @@ BAD = {
     "no value": ("", "no value of tension for cell type hepatoblast; add it to"),
     "some regions": ("tension:apical 0.1", "no value of tension for cell type hepatoblast"),
     "variable": ("tension v_", "tension is v_, must be a number, or v_NAME of an equal-style"),
-    "no variable": ("tension v_none", "there is no equal-style variable none"),
-    "atom style": ("tension v_atomic", "there is no equal-style variable atomic"),
+    "no variable": ("tension v_none", "there is no equal-style or atom-style variable none"),
+    "wrong style": ("tension v_word", "there is no equal-style or atom-style variable word"),
+    "atom style": ("tension v_atomic", "variable atomic gives the tension -.* at step 0; it must"),
     "not a number": ("tension v_nan", "variable nan gives the tension .* at step 0; it must be"),
 }
 
@@ -469,7 +491,8 @@ BAD = {
 def test_bad_options(lmp, scenes, name):
     options, pattern = BAD[name]
     scene = scenes.single_cell()
-    extra = "variable atomic atom x\nvariable nan equal 1e300*1e300\n" + tension(scene, options)
+    extra = "variable word string x\nvariable atomic atom -1-x*x\n"
+    extra += "variable nan equal 1e300*1e300\n" + tension(scene, options)
     fails(lmp, whole(scene, extra=extra), "Fix dcm/tension: .*" + pattern)
 
 

@@ -78,3 +78,15 @@ TEST(Constriction, GrowthBetweenIsKept)
   now *= 1.01;
   EXPECT_DOUBLE_EQ(length.at(0.0, now), 2.5 * 0.95 * 1.01);
 }
+
+TEST(Constriction, AnyFactorIsOnTheLengthWithoutIt)
+{
+  const double l0 = 1.0 / 3.0;
+  ConstrictedLength length = {1.0, l0, l0};
+  double now = l0;
+  for (const double factor : {1.3, 0.2, 0.9}) {
+    now = length.scaled(factor, now);
+    EXPECT_DOUBLE_EQ(now, factor * l0);
+  }
+  EXPECT_EQ(length.scaled(1.0, now), l0);
+}

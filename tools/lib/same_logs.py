@@ -33,6 +33,7 @@ SHORT = {
     "bile_duct_day": {"rest": 0.02, "hours": 0.03},
     "border": {"level": 2, "settle": 60, "image": "no"},
     "compress": {"level": 1, "settle": 20, "hold": 20, "steps": 1, "image": "no"},
+    "contract": {"level": 2, "ramp": 5, "hold": 5, "image": "no"},
     "crowd": {"hours": 0.0225, "cycle": 200, "death": 2e-3, "image": "no"},
     "division": {"level": 2, "steps": 200, "image": "no"},
     "doublet": {"level": 1, "settle": 150, "press": 0.5, "rate": 0.05, "image": "no"},

@@ -46,13 +46,16 @@ struct ConstrictedLength {
   double base;       ///< rest length without constriction
   double written;    ///< with it, as it was written last
 
-  /// The new rest length; l0: the present one.
-  double at(double share, double l0)
+  /// The new rest length, `now` times that without; l0: the present one. Exactly the latter at 1.
+  double scaled(double now, double l0)
   {
     if (l0 != written) base *= l0 / written;
-    written = share == 0.0 ? base : base * constriction_factor(factor, share);
+    written = base * now;
     return written;
   }
+
+  /// That at a share of the ramp.
+  double at(double share, double l0) { return scaled(constriction_factor(factor, share), l0); }
 };
 
 }    // namespace dcm

@@ -268,6 +268,12 @@ class Deck:
         how = self.one(f"linear {x} {y} {z}", turn, f"linear 0 {y} 0 {turn}")
         self.fix("push", f"{self.group()} dcm/move {how}")
 
+    def adapt(self):
+        volume, rest = (self.one(self.number(0.8, 1.2), "v_near1") for _ in range(2))
+        what = self.one(f"volume0 {volume}", f"rest {rest}", f"volume0 {volume} rest {rest}",
+                        f"rest {rest} faces apical junction every {self.whole(1, 5)}")  # fmt: skip
+        self.fix("adapt", f"{self.group()} dcm/adapt {what}")
+
     def confine(self):
         pressure = self.maybe(0.5)
         what = (f"pressure {self.number(0.01, 0.3)} over deformable" if pressure else
@@ -412,7 +418,7 @@ class Deck:
         )  # fmt: skip
         self.fix("other", line)
 
-    EFFECTS = ("motility", "tension", "traction", "confine", "growth", "division", "death",
+    EFFECTS = ("motility", "tension", "traction", "adapt", "confine", "growth", "division", "death",
                "polarity", "tracer", "osmosis", "constriction", "signal", "convert",
                "move")  # fmt: skip
 
@@ -430,8 +436,9 @@ class Deck:
 
     def variables(self):
         for line in (
-            "variable ramp equal 0.01*step", "variable px atom 0.3", "variable py atom id",
-            "variable pz atom -0.2", "variable odd atom (mol%2)==1", "variable form atom x>0",
+            "variable ramp equal 0.01*step", "variable near1 atom 1+0.01*x",
+            "variable px atom 0.3", "variable py atom id", "variable pz atom -0.2",
+            "variable odd atom (mol%2)==1", "variable form atom x>0",
             "region half block 0 INF INF INF INF INF", "region inner block 3 INF INF INF INF INF",
         ):  # fmt: skip
             self.say(line)
