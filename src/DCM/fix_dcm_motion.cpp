@@ -440,8 +440,8 @@ void FixDCMMotion::check_solution()
 
 double FixDCMMotion::scale_of_move(int i) const
 {
-  const double own =
-      dcm->kind[i] == AtomVecDCM::NODE ? cell->mean_edge(cell->cell_of(i)) : atom->radius[i];
+  const double own = dcm->kind[i] == AtomVecDCM::NODE ? cell->mean_edge(cell->cell_of(i))
+                                                      : atom->radius[i];
   const double mean = cell->mean_edge();
   return (atom->mask[i] & moving & ~groupbit) && mean > 0.0 ? std::min(own, mean) : own;
 }
@@ -551,8 +551,7 @@ std::string FixDCMMotion::work()
 double FixDCMMotion::memory_usage()
 {
   return system.memory_usage() + stiffness.memory_usage() + solver.memory_usage() +
-         (double) sizeof(double) *
-             (owner.capacity() + rhs.capacity() + velocity.capacity() + given_velocity.capacity() +
-              load.capacity()) +
+         (double) sizeof(double) * (owner.capacity() + rhs.capacity() + velocity.capacity() +
+                                    given_velocity.capacity() + load.capacity()) +
          (double) sizeof(int) * face_slots.capacity() + unknowns.memory_usage();
 }

@@ -303,3 +303,18 @@ def test_sorting(experiment):
         assert row["index"] == pytest.approx((row["like"] - chance) / (1 - chance), abs=1e-6)
     assert mixed[-1]["like"] != mixed[0]["like"]  # cells changed places there too
     assert sorted_[-1]["index"] > 4 * deviation(sorted_[-1], chance)
+
+
+# --- rheometer ------------------------------------------------------------------------------------
+
+
+def test_rheometer(experiment):
+    """Faster plates meet a larger force, and relax to the same one: 1e-2 and 1e-3 /s of 42-node
+    cells to 5 % of what is left an hour later. The plates stop at their strain to the last digit,
+    and what they bear is balanced: nothing else holds the spheroid."""
+    fast, slow = (experiment("rheometer", level=1, rate=rate, hold=3600) for rate in (1e-2, 1e-3))
+    moving, rest = zip(*(numbers(r, "strain")[0][-2:] for r in (fast, slow)), strict=True)
+    assert moving[0] > 1.5 * moving[1] > 1.5 * rest[1]
+    assert rest[0] == pytest.approx(rest[1], rel=0.05)
+    for result in (fast, slow):
+        assert result.runs[-1][-1]["strain"] == pytest.approx(0.1, abs=1e-12)

@@ -190,7 +190,7 @@ def test_a_velocity_that_is_ignored_is_told(lmp, scenes):
 BAD = {
     "nothing": ("", "give 'linear Vx Vy Vz'"),
     "two": ("linear 1 2", "linear needs 3 values, got 2"),
-    "text": ("linear 1 2 fast", "linear is 'fast'"),
+    "text": ("linear 1 2 fast", "velocity is 'fast', expected a number"),
     "no axis": ("rotate 0 0 0 0 0 0 1", "rotate is 0.*an axis that is not 0 0 0"),
     "no variable": ("linear 0 0 v_none", "velocity: there is no .*variable none"),
     "not a number": ("linear 0 0 v_bad", "variable bad gives the velocity"),
@@ -202,7 +202,7 @@ BAD = {
 def test_bad_arguments(lmp, scenes, case):
     words, pattern = BAD[case]
     scene = scenes.doublet()
-    fails(lmp, scene.head() + scene.forces() + "variable bad equal ln(-1.0)\nvariable each atom ln(-1.0)+x\ngroup one molecule 1\n"
+    fails(lmp, scene.head() + scene.forces() + "variable bad equal 1e300*1e300\nvariable each atom 1e300*1e300+x\ngroup one molecule 1\n"
           + f"fix push one dcm/move {words}\n" + scene.motion(), "Fix dcm/move", pattern)
 
 
@@ -245,4 +245,4 @@ def test_h0_of_the_others(lmp, scenes, how, np_):
 
     assert chosen(lmp(both + slab + "run 0\n", np=np_).log) == pytest.approx(chosen(alone), 1e-5)
     with_slab = chosen(lmp(both + scene.motion() + "run 0\n", np=np_).log)
-    assert with_slab[0] > 2 * chosen(alone)[0]
+    assert with_slab[0] > 1.5 * chosen(alone)[0]

@@ -44,8 +44,8 @@ TEST(RigidMotion, StepsOfAnyLengthLeadToTheSamePlace)
 {
   const RigidMotion body = turning(2.0);
   const Vec3 start(3.0, 4.0, -1.0);
-  const Vec3 right = body.point +
-      Eigen::AngleAxisd(2.0 * 1.7, body.axis).toRotationMatrix() * (start - body.point);
+  const Vec3 right = body.point + Eigen::AngleAxisd(2.0 * 1.7, body.axis).toRotationMatrix() *
+                                      (start - body.point);
   for (const auto &steps : {std::vector<double>{1.7}, {0.5, 1.1, 0.1}, {1e-6, 1.7 - 1e-6}}) {
     Vec3 x = start;
     for (const double dt : steps) x += dt * body.mean_velocity(x, dt);

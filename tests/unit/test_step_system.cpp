@@ -122,8 +122,7 @@ TEST(StepSystem, unknowns_that_are_given_are_left_out)
     const auto found =
         solver.solve(StepSystem(ring.friction, ring.stiffness, dt), rhs.data(), v.data(), alone);
     EXPECT_EQ(found.status, FrictionResult::CONVERGED);
-    for (const int r : free)
-      EXPECT_NEAR(v[STRIDE * (1 + r / 3) + r % 3], x[r], 1e-9 * x.norm());
+    for (const int r : free) EXPECT_NEAR(v[STRIDE * (1 + r / 3) + r % 3], x[r], 1e-9 * x.norm());
     for (const int r : held) EXPECT_EQ(v[STRIDE * (1 + r / 3) + r % 3], 0.0);
   }
 }
