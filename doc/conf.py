@@ -31,11 +31,11 @@ LAMMPS_PAGES = set(
     """
     Build_cmake atom_style balance boundary change_box comm_modify compute compute_bond_local
     compute_pair compute_pe_atom compute_property_atom compute_reduce create_box delete_atoms
-    displace_atoms dump dump_image dump_modify fix fix_addforce fix_ave_atom fix_balance
+    displace_atoms dump dump_image dump_modify fix fix_adapt fix_addforce fix_ave_atom fix_balance
     fix_box_relax fix_halt fix_indent fix_modify fix_move fix_nve fix_property_atom fix_setforce
-    fix_wall group mass minimize neigh_modify neighbor newton pair_granular plugin read_data
+    fix_wall fix_wall_region group mass minimize neigh_modify neighbor newton pair_granular plugin read_data
     read_restart region replicate reset_timestep restart run run_style set special_bonds thermo
-    thermo_modify thermo_style timestep units variable write_data write_dump write_restart
+    thermo_modify thermo_style timestep units variable velocity write_data write_dump write_restart
     """.split()
 )
 

@@ -56,7 +56,7 @@ def test_pushed_sphere_follows(lmp, scenes, scheme):
     scene = scenes.Scene(30.0, "f f f")
     scene.cbm(0.0, 0.0, 0.0, R)
     scene.cbm(2 * R - 0.2, 0.0, 0.0, R)
-    names = "vx1=vx[1] vx2=vx[2] x=x[1]".split()
+    names = ["vx1=vx[1]", "vx2=vx[2]", "x=x[1]"]
     smooth = scene.contact("law dmt", "friction_normal 0 friction_tangential 0")
     rows = lmp(scene.head() + scene.cortex() + smooth + FAR
                + "fix cell all dcm/cell\ngroup body id 1\nfix body body dcm/move linear 0.01 0 0\n"
@@ -160,7 +160,8 @@ def test_velocity_of_each_atom(lmp, scenes):
     scene.dcm(0.0, 0.0, 0.0, 6.0)
     deck = (scene.head() + scene.forces() + "variable v atom 0.01*x\n"
             + "fix body all dcm/move linear v_v 0 0\n" + scene.motion())
-    first, last = lmp(deck + scenes.dump("id type xu yu zu", 100) + "timestep 0.1\nrun 100\n").dump()
+    deck += scenes.dump("id type xu yu zu", 100) + "timestep 0.1\nrun 100\n"
+    first, last = lmp(deck).dump()
     nodes = first["type"] == 2
     np.testing.assert_allclose(last["xu"][nodes], 1.001**100 * first["xu"][nodes], rtol=1e-9)
     np.testing.assert_allclose(last["yu"][nodes], first["yu"][nodes], atol=1e-12)
@@ -202,7 +203,8 @@ BAD = {
 def test_bad_arguments(lmp, scenes, case):
     words, pattern = BAD[case]
     scene = scenes.doublet()
-    fails(lmp, scene.head() + scene.forces() + "variable bad equal 1e300*1e300\nvariable each atom 1e300*1e300+x\ngroup one molecule 1\n"
+    fails(lmp, scene.head() + scene.forces() + "variable bad equal 1e300*1e300\n"
+          + "variable each atom 1e300*1e300+x\ngroup one molecule 1\n"
           + f"fix push one dcm/move {words}\n" + scene.motion(), "Fix dcm/move", pattern)
 
 
