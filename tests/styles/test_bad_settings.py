@@ -136,7 +136,7 @@ def test_group_of_a_compute(lmp, scenes, case):
 
 
 def test_motion_of_a_dynamic_group(lmp, scenes):
-    """Atoms that join between two rebuilds of the lists would move at a time that hangs on these."""
+    """Atoms that join between two rebuilds of the lists would move from the next one on."""
     scene = scenes.doublet()
     text = "variable right atom x>0\ngroup g dynamic all var right every 1\n"
     fails(lmp, whole(scene, motion=text + scene.motion("g")), "Fix dcm/motion: group g is dynamic",
