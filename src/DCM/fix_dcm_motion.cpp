@@ -207,7 +207,9 @@ void FixDCMMotion::find_friction()
   parameters.resolve();
   const auto needed =
       AtomVecDCM::types_holding(lmp, {AtomVecDCM::NODE, AtomVecDCM::SPHERE}, groupbit);
-  if (std::find(needed.begin(), needed.end(), 1) == needed.end())
+  const bool holds = std::find(needed.begin(), needed.end(), 1) != needed.end();
+  held = held || holds;    // what there was may have died or been deleted since
+  if (!held)
     error->all(FLERR, "{}: group {} holds no node and no sphere, nothing to move", STYLE,
                group->names[igroup]);
 

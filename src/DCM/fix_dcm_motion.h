@@ -84,6 +84,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   dcm::FrictionSolver<dcm::FrictionComm> solver;
   dcm::FrictionResult last;
 
+  bool held = false;                    // the group has held nodes or spheres
   bool stale, deferred, pending;        // lists outdated; solve of setup() must wait, is waiting
   std::vector<int> face_slots;          // 3 per owned face
   std::vector<double> owner;            // per owned + ghost atom: its process

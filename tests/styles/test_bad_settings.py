@@ -95,8 +95,6 @@ GROUPS = {
     "death": ("dcm/death", "age 100", "type 2 3", "no center or sphere"),
     "volume": ("dcm/volume", "{map}", "type 2 3", "no center, which"),
     "tension": ("dcm/tension", "{map} tension 0.1", "type 3", "no center, which"),
-    "adapt": ("dcm/adapt", "rest 0.9", "type 2 3", "no center, which"),
-    "traction": ("dcm/traction", "pressure 0.1", "type 1 2", "no face, which"),
     "motility": ("dcm/motility", "{map} seed 7", "type 2", "no center or sphere"),
     "confine": ("dcm/confine", "plane z 1.0", "type 2 3", "no center or sphere"),
     "motion": ("dcm/motion", "{map}", "type 1 3", "no node or sphere"),
@@ -138,7 +136,7 @@ def test_group_of_a_compute(lmp, scenes, case):
 
 
 def test_motion_of_a_dynamic_group(lmp, scenes):
-    """Atoms that join between two rebuilds of the lists would move at times that hang on these."""
+    """Atoms that join between two rebuilds of the lists would move from the next one on."""
     scene = scenes.doublet()
     text = "variable right atom x>0\ngroup g dynamic all var right every 1\n"
     fails(lmp, whole(scene, motion=text + scene.motion("g")), "Fix dcm/motion: group g is dynamic",

@@ -54,6 +54,22 @@ def test_everybody(lmp, scenes):
     assert len(log) == 27 and not len(frames[-1]["id"])
 
 
+@pytest.mark.parametrize("scheme", ["explicit", "implicit", "implicit dt auto tol 0.02 max 10"])
+@pytest.mark.parametrize("np_", [1, 3])
+def test_when_all_are_dead(lmp, scenes, np_, scheme):
+    """An empty box goes on, its files are written, and it takes cells again."""
+    scene = scenes.doublet(boundary="p p p")
+    scene.cbm(0.0, 11.0, 0.0, 5.0)
+    deck = scene.head() + scene.forces() + death("all all")
+    deck += scene.motion(options=f"scheme {scheme}") + "timestep 0.5\n"
+    deck += scenes.thermo(["atoms"]) + "run 3\nrun 3\n"
+    deck += "write_restart last.restart\nwrite_data last.data\nunfix death\nrun 2\n"
+    deck += "\n".join(scene.cells) + "\nrun 3\n"
+    result = lmp(deck, np=np_)
+    assert [run[-1]["Atoms"] for run in result.runs] == [0, 0, 0, 2 * ATOMS + 1]
+    assert (result.path / "last.restart").exists() and (result.path / "last.data").exists()
+
+
 def test_region(lmp, scenes):
     frames, log = left(lmp, scenes, "region r", before="region r sphere 16 16 16 17\n")
     # the corner (16, 16, 16) and its three neighbors at 16
