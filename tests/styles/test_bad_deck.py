@@ -131,7 +131,8 @@ def test_other_version(lmp, tmp_path):
     (other / "dcm_style_headers.h").write_text("")
     command = [compiler, "-std=c++17", "-shared", "-fPIC", "-DLAMMPS_SMALLBIG", "-DLMP_PLUGIN",
                "-DOMPI_SKIP_MPICXX=1", "-DDCM_LAMMPS_VERSION=20200101", f"-I{other}",
-               f"-I{found.group(1)}", str(ROOT / "src/plugin/dcmplugin.cpp"),
+               f"-I{found.group(1)}", f"-I{ROOT / 'src/DCM'}",
+               str(ROOT / "src/plugin/dcmplugin.cpp"),
                "-o", str(other / "dcmplugin.so")]  # fmt: skip
     subprocess.run(command, check=True, timeout=300)
     lmp.env = {**lmp.env, "LAMMPS_PLUGIN_PATH": ""}
