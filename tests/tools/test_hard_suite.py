@@ -108,8 +108,13 @@ def test_page(tool, tmp_path):
         r"a\_value\* (um)",
         "0 to 2",
         "- 1.002",
-        "**right** in 2 ways",
+        "**right** in 2 of 2 ways",
         r"stops: \`x\_1\` at step 3",
         "1 of 1 scenes are right",
     ):
         assert text in page, text
+    assert "Not run" not in page
+    (tmp_path / "a_scene.implicit.2.json").unlink()
+    tool.write_page(suite_of(tool, tmp_path, function, schemes=("implicit",))[1], tmp_path)
+    page = (tmp_path / "doc/hard_cases.rst").read_text()
+    assert "1 of 2 ways, 1 measured values. Not run on 2 ranks: 1 of 1." in page

@@ -314,7 +314,7 @@ def section(suite, scene):
     seconds = sum(w.result["seconds"] for w in suite.of(scene) if w.result)
     done = sum(bool(w.result) for w in suite.of(scene))
     lines += [
-        f"*Outcome:* **{suite.verdict(scene)}** in {done} ways ({seconds:.0f} s): "
+        f"*Outcome:* **{suite.verdict(scene)}** in {done} of {len(suite.of(scene))} ways ({seconds:.0f} s): "
         + "; ".join(plain(" ".join(o.split())) for o in outcomes)
         + ".",
         "",
@@ -352,9 +352,14 @@ def write_page(suite, root):
     done = [w for w in suite.ways if w.result]
     right = sum(suite.verdict(s) == "right" for s in suite.scenes)
     summary = (
-        f"{right} of {len(suite.scenes)} scenes are right; {len(done)} ways, "
+        f"{right} of {len(suite.scenes)} scenes are right; {len(done)} of {len(suite.ways)} ways, "
         f"{sum(len(w.measured) for w in done)} measured values."
     )
+    for ranks in RANKS:
+        all_ways = [w for w in suite.ways if w.ranks == ranks]
+        left = sum(not w.result for w in all_ways)
+        if left:
+            summary += f" Not run on {ranks} rank{'s' * (ranks > 1)}: {left} of {len(all_ways)}."
     text = INTRO.format(
         count=len(suite.scenes), version="long" if suite.full else "quick", summary=summary
     )
