@@ -1,7 +1,11 @@
 """The decks of examples/experiments, shortened: what they measure against what theory says."""
 
+import importlib.util
 import math
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -407,3 +411,53 @@ def test_chemotaxis_deformable(experiment):
     friction = result.thermo[-1]["friction"]
     assert expected == pytest.approx(math.sqrt(100.0**2 + 120 * 7200 / friction) - 100, abs=1e-3)
     assert way == pytest.approx(expected, rel=0.01)
+
+
+# --- calibrate ------------------------------------------------------------------------------------
+
+
+def packing_pressure(d, R, W, modulus):
+    """Pressure of a closest packing of spheres: JKR over its contact radius, from a table."""
+    E, half = modulus / (2 * (1 - 0.4**2)), R / 2
+    c = np.linspace(0.3, 2 * R, 20000)
+    delta = c**2 / half - np.sqrt(2 * math.pi * W * c / E)
+    force = 4 * E * c**3 / (3 * half) - np.sqrt(8 * math.pi * W * E * c**3)
+    c0 = delta.argmin()
+    return 2 * math.sqrt(2) * np.interp(2 * R - d, delta[c0:], force[c0:]) / d**2
+
+
+def calibrate_script():
+    spec = importlib.util.spec_from_file_location("calibrate", FOLDER / "calibrate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_calibrate_spheres(experiment):
+    """The deck's spheres of 2 kPa have the pressure of JKR; a fit to a known modulus finds it."""
+    rows = numbers(experiment("calibrate", kind="cbm", steps=4, hold=60), "distance")
+    assert len(rows) == 5
+    for d, pressure, force in rows:
+        assert pressure == pytest.approx(packing_pressure(d, 6.0, 0.1, 2.0), abs=2e-5)
+        assert force == pytest.approx(pressure * d**2 / math.sqrt(8), rel=1e-3, abs=1e-4)
+    d = np.linspace(11.9, 10.9, 8)
+    s = 1 - d / 12
+    modulus = 3 + 40 * s + 900 * s**3
+    pressure = np.array([packing_pressure(*pair) for pair in zip(d, [6.0] * 8, [0.1] * 8, modulus)])
+    E, a, rms = calibrate_script().fit(d, pressure, 6.0, 0.4, 0.1)
+    assert rms < 1e-4
+    assert E + sum(a[k] * s ** (k + 1) for k in range(4)) == pytest.approx(modulus, rel=0.01)
+
+
+def test_calibrate(tmp_path):
+    """The script writes a file with which the deck's spheres are nearer to deformable cells."""
+    done = subprocess.run(
+        [sys.executable, FOLDER / "calibrate.py", "--level", "1", "--out", tmp_path,
+         "--lmp", os.environ["DCM_LMP"], "-var", "steps", "2", "-var", "hold", "30"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    off = [float(n) for n in re.findall(r"root mean square ([\d.]+) kPa", done.stdout)]
+    assert 0 < off[1] < 0.3 * off[0]
+    written = (tmp_path / "calibrated.dcm").read_text()
+    assert len(re.findall(r"^  (E_contact|a[1-4]) +\d", written, re.M)) == 5
