@@ -1,7 +1,11 @@
 """The decks of examples/experiments, shortened: what they measure against what theory says."""
 
+import importlib.util
 import math
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -318,3 +322,142 @@ def test_rheometer(experiment):
     assert rest[0] == pytest.approx(rest[1], rel=0.05)
     for result in (fast, slow):
         assert result.runs[-1][-1]["strain"] == pytest.approx(0.1, abs=1e-12)
+
+
+# --- spread ---------------------------------------------------------------------------------------
+
+
+def drop_on_ball(W, T, volume, plate):
+    """Height and angle, from height and volume as on a flat, of a drop that lies on a ball.
+
+    At the rim, a circle of radius a, the surface of the ball is tilted by asin(a/plate), which adds
+    to the angle of Young and Dupre; a part of the cap is the ball's.
+    """
+
+    def cap(radius, angle):
+        h = radius * (1 - math.cos(angle))
+        return h, math.pi / 3 * h**2 * (3 * radius - h)
+
+    def drop(a):
+        tilt = math.asin(a / plate)
+        angle = math.acos(W / T - 1) + tilt
+        (h, v), (sag, below) = cap(a / math.sin(angle), angle), cap(plate, tilt)
+        return h - sag, v - below
+
+    height, _ = drop(brentq(lambda a: drop(a)[1] - volume, 0.1, 20))
+    base = math.sqrt((6 * volume / math.pi / height - height**2) / 3)
+    return height, math.degrees(2 * math.atan(height / base))
+
+
+@pytest.mark.parametrize("W", [0.02, 0.04])
+def test_spread(experiment, W):
+    """The angle of Young and Dupre to 3 degrees (162 nodes), above it: contact takes its time."""
+    T = 0.2
+    result = experiment("spread", W=W, T=T, level=2)
+    last = result.thermo[-1]
+    height, angle = drop_on_ball(W, T, last["volume"], 300.0)
+    assert last["angle"] == pytest.approx(angle, abs=3.0)
+    assert last["height"] == pytest.approx(height, rel=0.02)
+    printed = numbers(result, "theory")[0]
+    assert printed[1:] == pytest.approx([height, angle], rel=5e-3)
+    assert result.thermo[1]["area"] < 0.7 * last["area"]
+
+
+def test_spread_friction(experiment):
+    """Friction with the substrate slows the spreading, and the state of rest does not know it."""
+    slow, fast = (experiment("spread", level=2, friction=friction).thermo for friction in (50, 0.5))
+    assert slow[-1]["angle"] == pytest.approx(fast[-1]["angle"], abs=1.0)
+
+    def half(rows):
+        heights = [-row["height"] for row in rows]
+        return np.interp((heights[0] + heights[-1]) / 2, heights, [row["Time"] for row in rows])
+
+    assert half(slow) > 1.2 * half(fast)
+
+
+# --- chemotaxis -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("profile", ["linear", "exponential"])
+def test_chemotaxis(experiment, profile):
+    """Drift and spread of cells that wander, within four standard errors of theory.
+
+    F = chi/x on a linear profile: d<x^2>/dt = 2 (chi/Gamma + D), exactly; the variance along x is
+    that of a small deviation, which chi/x^2 draws back.
+    """
+    chi, D, n, x0, hours = 60.0, 3e-4, 200, 100.0, 12
+    rows = experiment("chemotaxis", profile=profile, n=n, hours=hours, chi=chi, D=D, x0=x0).thermo
+    t, b, last = 3600 * hours, chi / (4 * math.pi * 36 * ECM), rows[-1]
+    along = across = 2 * D * t
+    if profile == "linear":
+        s = x0**2 + 2 * b * t
+        along = solve_ivp(
+            lambda t, v: 2 * D - 2 * b * v / (x0**2 + 2 * b * t), (0, t), [0.0], rtol=1e-8
+        ).y[0, -1]
+        spread = 2 * math.sqrt(s * along)
+        assert last["square"] == pytest.approx(s + 2 * D * t, abs=4 * spread / math.sqrt(n))
+    else:
+        mean = x0 + b / x0 * t
+        assert last["place"] == pytest.approx(mean, abs=4 * math.sqrt(along / n))
+    assert last["place"] - x0 > 40
+    assert last["along"] == pytest.approx(along, rel=4 * math.sqrt(2 / n))
+    assert last["across"] == pytest.approx(across, rel=4 * math.sqrt(1 / n))
+
+
+def test_chemotaxis_deformable(experiment):
+    """A deformable cell that does not wander crawls as a point with the friction of its area."""
+    result = experiment("chemotaxis", kind="dcm", n=1, hours=2, D=0)
+    way, expected = (numbers(result, line)[0][0] for line in ("crawled", "theory"))
+    friction = result.thermo[-1]["friction"]
+    assert expected == pytest.approx(math.sqrt(100.0**2 + 120 * 7200 / friction) - 100, abs=1e-3)
+    assert way == pytest.approx(expected, rel=0.01)
+
+
+# --- calibrate ------------------------------------------------------------------------------------
+
+
+def packing_pressure(d, R, W, modulus):
+    """Pressure of a closest packing of spheres: JKR over its contact radius, from a table."""
+    E, half = modulus / (2 * (1 - 0.4**2)), R / 2
+    c = np.linspace(0.3, 2 * R, 20000)
+    delta = c**2 / half - np.sqrt(2 * math.pi * W * c / E)
+    force = 4 * E * c**3 / (3 * half) - np.sqrt(8 * math.pi * W * E * c**3)
+    c0 = delta.argmin()
+    return 2 * math.sqrt(2) * np.interp(2 * R - d, delta[c0:], force[c0:]) / d**2
+
+
+def calibrate_script():
+    spec = importlib.util.spec_from_file_location("calibrate", FOLDER / "calibrate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_calibrate_spheres(experiment):
+    """The deck's spheres of 2 kPa have the pressure of JKR; a fit to a known modulus finds it."""
+    rows = numbers(experiment("calibrate", kind="cbm", steps=4, hold=60), "distance")
+    assert len(rows) == 5
+    for d, pressure, force in rows:
+        assert pressure == pytest.approx(packing_pressure(d, 6.0, 0.1, 2.0), abs=2e-5)
+        assert force == pytest.approx(pressure * d**2 / math.sqrt(8), rel=1e-3, abs=1e-4)
+    d = np.linspace(11.9, 10.9, 8)
+    s = 1 - d / 12
+    modulus = 3 + 40 * s + 900 * s**3
+    pressure = np.array([packing_pressure(*pair) for pair in zip(d, [6.0] * 8, [0.1] * 8, modulus)])
+    E, a, rms = calibrate_script().fit(d, pressure, 6.0, 0.4, 0.1)
+    assert rms < 1e-4
+    assert E + sum(a[k] * s ** (k + 1) for k in range(4)) == pytest.approx(modulus, rel=0.01)
+
+
+def test_calibrate(tmp_path):
+    """The script writes a file with which the deck's spheres are nearer to deformable cells."""
+    done = subprocess.run(
+        [sys.executable, FOLDER / "calibrate.py", "--level", "1", "--out", tmp_path,
+         "--lmp", os.environ["DCM_LMP"], "-var", "steps", "2", "-var", "hold", "30"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    off = [float(n) for n in re.findall(r"root mean square ([\d.]+) kPa", done.stdout)]
+    assert 0 < off[1] < 0.3 * off[0]
+    written = (tmp_path / "calibrated.dcm").read_text()
+    assert len(re.findall(r"^  (E_contact|a[1-4]) +\d", written, re.M)) == 5

@@ -32,6 +32,8 @@ SHORT = {
     "bile_duct": {"size": "quick", "hours": 0.015, "tau": 20, "image": "no"},
     "bile_duct_day": {"rest": 0.02, "hours": 0.03},
     "border": {"level": 2, "settle": 60, "image": "no"},
+    "calibrate": {"kind": "cbm", "steps": 2, "hold": 60},
+    "chemotaxis": {"n": 20, "hours": 0.2, "image": "no"},
     "compress": {"level": 1, "settle": 20, "hold": 20, "steps": 1, "image": "no"},
     "contract": {"level": 2, "ramp": 5, "hold": 5, "image": "no"},
     "crowd": {"hours": 0.0225, "cycle": 200, "death": 2e-3, "image": "no"},
@@ -49,6 +51,7 @@ SHORT = {
     "single": {"hold": 10, "image": "no"},
     "sorting": {"hours": 0.5, "image": "no"},
     "spheroid": {"level": 1, "hours": 0.15, "cycle": 180, "movie": "no"},
+    "spread": {"level": 1, "time": 100, "image": "no"},
     "stretch": {"level": 1, "on": 10, "off": 10, "image": "no"},
     "tension": {"level": 1, "settle": 100, "image": "no"},
 }
