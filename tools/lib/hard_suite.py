@@ -314,7 +314,8 @@ def section(suite, scene):
     seconds = sum(w.result["seconds"] for w in suite.of(scene) if w.result)
     done = sum(bool(w.result) for w in suite.of(scene))
     lines += [
-        f"*Outcome:* **{suite.verdict(scene)}** in {done} of {len(suite.of(scene))} ways ({seconds:.0f} s): "
+        f"*Outcome:* **{suite.verdict(scene)}** in {done} of {len(suite.of(scene))} ways "
+        f"({seconds:.0f} s): "
         + "; ".join(plain(" ".join(o.split())) for o in outcomes)
         + ".",
         "",
