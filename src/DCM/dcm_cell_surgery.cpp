@@ -444,7 +444,7 @@ void DCMCellSurgery::require_laws(LAMMPS *lmp, const std::string &asking)
 void DCMCellSurgery::check_order(LAMMPS *lmp, const Fix *mine, const std::string &asking)
 {
   bool after = false;
-  for (const auto *fix : lmp->modify->get_fix_list()) {
+  for (const auto *fix : std::vector<Fix *>(lmp->modify->get_fix_list())) {
     if (fix == mine) after = true;
     if (after && utils::strmatch(fix->style, "^NEIGH_HISTORY"))
       lmp->error->all(FLERR, "{}: define pair_style dcm/contact before this fix", asking);

@@ -49,7 +49,7 @@ std::vector<DCMRole *> DCMRole::of(LAMMPS *lmp)
   if (auto *const hybrid = dynamic_cast<PairHybrid *>(force->pair))
     for (int n = 0; n < HybridStyles::count(hybrid); n++)
       add(HybridStyles::style(hybrid, n), roles);
-  for (auto *const fix : lmp->modify->get_fix_list()) add(fix, roles);
+  for (auto *const fix : std::vector<Fix *>(lmp->modify->get_fix_list())) add(fix, roles);
   return roles;
 }
 
@@ -74,7 +74,8 @@ DCMRole *DCMRole::marker_of(LAMMPS *lmp)
 }
 
 /* ----------------------------------------------------------------------
-   LAMMPS calls fixes in the order of the deck
+   LAMMPS calls fixes in the order of the deck. Its list of them is made anew by each call of
+   get_fix_list(), so that loops whose body may ask for it again, here as elsewhere, go over a copy
 ------------------------------------------------------------------------- */
 
 static int place_of(Modify *modify, const Fix *fix)
@@ -85,7 +86,7 @@ static int place_of(Modify *modify, const Fix *fix)
 
 void DCMRole::check_before_motion(LAMMPS *lmp, const Fix *me, const std::string &asking)
 {
-  for (auto *const fix : lmp->modify->get_fix_list()) {
+  for (auto *const fix : std::vector<Fix *>(lmp->modify->get_fix_list())) {
     const auto *const role = dynamic_cast<DCMRole *>(fix);
     if (!role || !(role->traits() & MOVES)) continue;
     if (place_of(lmp->modify, me) > place_of(lmp->modify, fix))

@@ -53,10 +53,10 @@ std::vector<Row> rows_of(LAMMPS *lmp)
     if (dynamic_cast<Pair *>(role)) name = std::string("pair_style ") + force->pair_style;
     rows.push_back({name, watch, role});
   }
-  for (auto *const compute : lmp->modify->get_compute_list())
+  for (auto *const compute : std::vector<Compute *>(lmp->modify->get_compute_list()))
     if (auto *const watch = dynamic_cast<DCMWatch *>(compute))
       rows.push_back({fmt::format("compute {} {}", compute->id, compute->style), watch, nullptr});
-  for (auto *const fix : lmp->modify->get_fix_list())
+  for (auto *const fix : std::vector<Fix *>(lmp->modify->get_fix_list()))
     if (auto *const watch = dynamic_cast<DCMWatch *>(fix))
       rows.push_back(
           {fmt::format("fix {} {}", fix->id, fix->style), watch, dynamic_cast<DCMRole *>(fix)});

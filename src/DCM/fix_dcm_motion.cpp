@@ -181,7 +181,7 @@ void FixDCMMotion::check_deck()
 
   deferred = false;
   bool later = false;
-  for (auto *other : modify->get_fix_list()) {
+  for (auto *other : std::vector<Fix *>(modify->get_fix_list())) {
     if (other == this) {
       later = true;
       continue;

@@ -258,7 +258,7 @@ void FixDCMMotion::set_step(double dt)
   update->dt = dt;
   update->dt_default = 0;
   if (force->pair) force->pair->reset_dt();
-  for (auto *const fix : modify->get_fix_list()) fix->reset_dt();
+  for (auto *const fix : std::vector<Fix *>(modify->get_fix_list())) fix->reset_dt();
   output->reset_dt();
 }
 

@@ -200,7 +200,7 @@ void FixDCMOsmosis::init()
 
   tracer = nullptr;
   makers.clear();
-  for (auto *const fix : modify->get_fix_list()) {
+  for (auto *const fix : std::vector<Fix *>(modify->get_fix_list())) {
     auto *const role = dynamic_cast<DCMRole *>(fix);
     if (role && (role->traits() & HAS_TRACERS)) tracer = role;
     if (role && (role->traits() & MAKES_CELLS)) makers.push_back(fix);
