@@ -120,10 +120,11 @@ void FixDCMOsmosis::pre_reverse(int /*eflag*/, int vflag)
   evaluate_pressure();
   if (acting == 0.0) return;
   double **x = atom->x, **force = atom->f;
-  const double *const normals = cell->normals();
+  const double *normals = nullptr;
   for (int f = 0; f < cell->nowned(); f++) {
     const double part = free_part(f);
     if (part == 0.0) continue;
+    if (!normals) normals = cell->normals();
     const auto &face = cell->faces()[f];
     const Vec3 third = dcm::lumen_force(acting, part, vec(&normals[3 * (size_t) f]));
     for (const int v : face.v) vec(force[v]) += third;
@@ -182,10 +183,11 @@ void FixDCMOsmosis::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unk
 {
   if (falls == 0.0) return;
   pushed.assign(3 * (size_t) (atom->nlocal + atom->nghost), 0.0);
-  const double *const normals = cell->normals();
+  const double *normals = nullptr;
   for (int f = 0; f < cell->nowned(); f++) {
     const double part = free_part(f);
     if (part == 0.0) continue;
+    if (!normals) normals = cell->normals();
     const Vec3 third = dcm::lumen_force(1.0, part, vec(&normals[3 * (size_t) f]));
     for (const int v : cell->faces()[f].v) vec(&pushed[3 * (size_t) v]) += third;
   }
