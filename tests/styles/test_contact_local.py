@@ -1,6 +1,7 @@
 """compute dcm/contact/local through the real lmp: the pairs of cells in contact."""
 
 import math
+import re
 from itertools import combinations
 
 import numpy as np
@@ -60,7 +61,7 @@ def jkr(E, R, W, delta):
 
 
 @pytest.mark.parametrize("np_", RANKS)
-@pytest.mark.parametrize("delta", [0.2, 0.01])  # they push; they pull
+@pytest.mark.parametrize("delta", [0.5, 0.01])  # they push; they pull
 def test_two_spheres_across_the_border(lmp, np_, delta):
     # the first is at the upper end of the box, so the second pushes it back, along -x and -y
     R1, R2, W = 3.0, 2.0, 0.1
@@ -74,7 +75,7 @@ def test_two_spheres_across_the_border(lmp, np_, delta):
     pairs = read_pairs(lmp(deck, np=np_))[0]
     assert list(pairs) == [(1, 2)]
     radius, F = jkr(5 / 1.5, R1 * R2 / (R1 + R2), W, delta)
-    assert (F > 0) == (delta > 0.1)
+    assert (F > 0.1) == (delta > 0.1) and abs(F) > 0.1
     row = pairs[1, 2]
     assert row["area"] == pytest.approx(math.pi * radius**2, rel=1e-10)
     assert row["normal"] == pytest.approx(F, rel=1e-10)
@@ -101,7 +102,7 @@ def test_areas_and_forces_add_up(lmp, np_, law):
     result = lmp(deck, np=np_)
     pairs, atoms = read_pairs(result)[0], result.dump()[-1]
     kinds = {(a <= 3) + (b <= 3) for a, b in pairs}
-    assert kinds == {1, 2} or kinds == {0, 1, 2}
+    assert kinds == {0, 1, 2}  # deformable cells in the pair
     largest = 0.0
     for cell in range(1, 8):
         own = [(row, 1 if cell == a else -1) for (a, b), row in pairs.items() if cell in (a, b)]
@@ -116,7 +117,6 @@ def test_areas_and_forces_add_up(lmp, np_, law):
     assert largest > 0.1
     for row in pairs.values():
         assert row["force"] == pytest.approx(np.linalg.norm(force(row)), rel=1e-14)
-        assert row["force"] <= abs(row["normal"]) * (1 + 1e-12) or row["area"] > 0
 
 
 def test_ranks_agree_and_so_do_steps_that_are_read(lmp):
@@ -190,15 +190,15 @@ def test_a_pushed_pair_balances(lmp, np_):
     deck = (
         scene.head()
         + scene.contact(coeff=SPHERES + " friction_normal 1 friction_tangential 1")
-        + scene.motion()
         + "group left molecule 1\ngroup right molecule 2\n"
         + f"fix l left addforce {F} 0 0\nfix r right addforce -{F} 0 0\n"
-        + local(every=4000)
-        + "timestep 0.05\nthermo 4000\nrun 4000\n"
+        + scene.motion()
+        + local(every=250)
+        + "timestep 1.0\nthermo 250\nrun 250\n"
     )
     frames = read_pairs(lmp(deck, np=np_))
     assert abs(frames[0][1, 2]["normal"] - F) > 0.1
-    row = frames[4000][1, 2]
+    row = frames[250][1, 2]
     assert force(row) == pytest.approx([-F, 0, 0], rel=1e-6, abs=1e-9)
     delta = brentq(lambda d: jkr(5 / 1.5, R / 2, 0.1, d)[1] - F, 0.0, 2.0)
     assert row["area"] == pytest.approx(math.pi * jkr(5 / 1.5, R / 2, 0.1, delta)[0] ** 2, rel=1e-6)
@@ -297,7 +297,8 @@ def test_read_in_a_step_that_was_not_recorded(lmp):
     )
     result = lmp.run(deck + "run 3\n")
     assert result.returncode != 0
-    assert "contacts of step 1 were not recorded" in result.error.replace("\n", " ")
+    text = result.error.replace("\n", " ")
+    assert re.search(r"dcm/contact/local: contacts of step \d were not recorded", text)
 
 
 def test_needs_the_atom_style(lmp):
