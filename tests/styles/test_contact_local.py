@@ -157,12 +157,13 @@ def test_ranks_agree_and_so_do_steps_that_are_read(lmp):
 
 def test_the_last_step_of_a_run_can_be_read(lmp):
     """By a variable between two runs, though nothing announced it; a contact that has ended."""
-    scene = Scene(box=15.0)
+    scene = Scene(box=15.0, boundary="f f f")
     scene.cbm(-2.9, 0, 0, 3.0)
     scene.cbm(2.9, 0, 0, 3.0)
     deck = (
         scene.head()
         + scene.contact(coeff=SPHERES)
+        + "fix cell all dcm/cell\n"
         + scene.motion()
         + "compute area all dcm/contact/local area\n"
         + "compute sum all reduce sum c_area inputs local\n"
@@ -184,13 +185,13 @@ def test_the_last_step_of_a_run_can_be_read(lmp):
 def test_a_pushed_pair_balances(lmp, np_):
     """Two spheres pressed together by a force: at rest their contact bears it."""
     F, R = 1.2, 3.0
-    scene = Scene(box=15.0)
+    scene = Scene(box=15.0, boundary="f f f")
     scene.cbm(-2.95, 0.5, 0, R)
     scene.cbm(2.95, 0.5, 0, R)
     deck = (
         scene.head()
         + scene.contact(coeff=SPHERES + " friction_normal 1 friction_tangential 1")
-        + "group left molecule 1\ngroup right molecule 2\n"
+        + "fix cell all dcm/cell\ngroup left molecule 1\ngroup right molecule 2\n"
         + f"fix l left addforce {F} 0 0\nfix r right addforce -{F} 0 0\n"
         + scene.motion()
         + local(every=250)
@@ -210,7 +211,7 @@ def test_a_pushed_pair_balances(lmp, np_):
 @pytest.mark.parametrize("np_", RANKS)
 def test_pairs_with_a_cell_of_the_group(lmp, np_):
     """Of a row of five cells, and a vector if there is one value."""
-    scene = Scene(box=(26.0, 8.0, 8.0))
+    scene = Scene(box=26.0, boundary="f f f")
     for n in range(5):
         scene.cbm(-20 + 9.9 * n, 0, 0, 5.0)
     deck = (
@@ -284,21 +285,25 @@ def test_needs_the_pair_style(lmp):
 
 
 def test_read_in_a_step_that_was_not_recorded(lmp):
-    """A variable that a style evaluates before the forces of its step."""
+    """Fix halt ends a run before its last step: nothing had announced to read this one."""
     scene = hybrid()
     deck = (
         scene.head()
         + scene.forces()
         + "compute area all dcm/contact/local area\n"
         + "compute sum all reduce sum c_area inputs local\n"
-        + "variable f equal 1.0+0.0*c_sum\n"
-        + "fix adapt all dcm/adapt volume0 v_f\n"
         + scene.motion()
+        + "variable n equal step\nfix stop all halt 1 v_n >= 3 error continue message no\n"
+        + "run 9\n"
     )
-    result = lmp.run(deck + "run 3\n")
+    read = 'print "at $(step) $(c_sum)"\n'
+    result = lmp.run(deck + read)
     assert result.returncode != 0
     text = result.error.replace("\n", " ")
-    assert re.search(r"dcm/contact/local: contacts of step \d were not recorded", text)
+    assert re.search(r"dcm/contact/local: contacts of step 3 were not recorded.*'run 0'", text)
+    after = [line.split() for line in lmp(deck + "unfix stop\nrun 0\n" + read).out.splitlines()]
+    found = [row for row in after if row[:1] == ["at"]]
+    assert len(found) == 1 and found[0][1] == "3" and float(found[0][2]) > 1.0
 
 
 def test_needs_the_atom_style(lmp):
