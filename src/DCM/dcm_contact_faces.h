@@ -139,7 +139,8 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_fa
       stress[face.atom] += r.force;
       stress[other.atom] += r.force;
     }
-    if (want_partners) add_partner(atom->molecule[face.atom], atom->molecule[other.atom], r.area);
+    if (want_partners)
+      add_partner(atom->molecule[face.atom], atom->molecule[other.atom], r.area, r.force, r.u);
     if (want_blocks)
       contacts.push_back({{face.v[0], face.v[1], face.v[2], other.v[0], other.v[1], other.v[2]},
                           {r.bf[0], r.bf[1], r.bf[2], -r.bg[0], -r.bg[1], -r.bg[2]},
@@ -202,7 +203,8 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mi
       stress[j] += r.force;
     }
     if (want_virial) moment[j] += r.force * (radius - 0.5 * r.delta);
-    if (want_partners) add_partner(atom->molecule[face.atom], atom->molecule[j], r.area);
+    if (want_partners)
+      add_partner(atom->molecule[face.atom], atom->molecule[j], r.area, r.force, r.u);
     if (want_blocks)
       contacts.push_back({{face.v[0], face.v[1], face.v[2], j, j, j},
                           {r.bf[0], r.bf[1], r.bf[2], -1.0, 0.0, 0.0},

@@ -15,6 +15,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "comm.h"
+#include "compute.h"
 #include "dcm_allgather.h"
 #include "dcm_contact_faces.h"
 #include "law/curvature.h"
@@ -111,6 +112,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   if (want_partners) {
     partner_list.clear();
     partners_merged = false;
+    partners_at = update->ntimestep;
   }
 
   if (fix_cell) {
@@ -150,6 +152,10 @@ void PairDCMContact::find_wanted()
   want_partners = false;
   partner_requests.each([this](int every) {
     if (update->setupflag || update->ntimestep % every == 0) want_partners = true;
+  });
+  const bool ends = update->setupflag || update->ntimestep == update->laststep;
+  reader_requests.each([this, ends](Compute *reader) {
+    if (ends || reader->matchstep(update->ntimestep)) want_partners = true;
   });
 }
 
@@ -242,13 +248,21 @@ void PairDCMContact::find_candidates()
 
 /* ---------------------------------------------------------------------- */
 
-void PairDCMContact::add_partner(tagint a, tagint b, double patch)
+// the axis of a contact points from a to b
+
+void PairDCMContact::add_partner(tagint a, tagint b, double patch, double force, const Vec3 &axis)
 {
-  if (a > b) std::swap(a, b);
-  if (!partner_list.empty() && partner_list.back().molecule == a && partner_list.back().other == b)
-    partner_list.back().area += patch;
-  else
-    partner_list.push_back({a, b, patch});
+  double push = -force;
+  if (a > b) {
+    std::swap(a, b);
+    push = force;
+  }
+  if (partner_list.empty() || partner_list.back().molecule != a || partner_list.back().other != b)
+    partner_list.push_back({a, b, 0.0, 0.0, {0.0, 0.0, 0.0}});
+  Partner &it = partner_list.back();
+  it.area += patch;
+  it.normal += force;
+  for (int k = 0; k < 3; k++) it.force[k] += push * axis[k];
 }
 
 /* ----------------------------------------------------------------------
@@ -263,10 +277,15 @@ static void merge(std::vector<PairDCMContact::Partner> &list)
   });
   size_t n = 0;
   for (size_t m = 0; m < list.size(); m++) {
-    if (n && list[n - 1].molecule == list[m].molecule && list[n - 1].other == list[m].other)
-      list[n - 1].area += list[m].area;
-    else
-      list[n++] = list[m];
+    const Partner &from = list[m];
+    if (n && list[n - 1].molecule == from.molecule && list[n - 1].other == from.other) {
+      Partner &to = list[n - 1];
+      to.area += from.area;
+      to.normal += from.normal;
+      for (int k = 0; k < 3; k++) to.force[k] += from.force[k];
+    } else {
+      list[n++] = from;
+    }
   }
   list.resize(n);
 }

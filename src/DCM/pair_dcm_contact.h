@@ -40,10 +40,11 @@ namespace LAMMPS_NS {
 
 class PairDCMContact : public Pair, public DCMRole {
  public:
-  // contact area between two cells
+  // contact of two cells: area, sum of the forces of its parts, compression positive, and as a
+  // vector, on the first cell
   struct Partner {
     tagint molecule, other;    // molecule < other
-    double area;
+    double area, normal, force[3];
   };
 
   // two spheres, the daughters of one cell, that a division left deep inside each other: their
@@ -96,19 +97,25 @@ class PairDCMContact : public Pair, public DCMRole {
   std::string work() override;
 
   // ask in init(), every run, and keep the handle: normal contact force per face or sphere
-  // (compression positive), virial of spheres, friction blocks, stiffness, contact area per pair of
-  // cells in the steps that are multiples of `every`
+  // (compression positive), virial of spheres, friction blocks, stiffness, contact per pair of
+  // cells in the steps that are multiples of `every`, or in those in which a compute with timeflag
+  // is going to be read, and the first and last step of a run
   DCMRequest<> request_stress() { return stress_requests.add(); }
   DCMRequest<> request_virial() { return virial_requests.add(); }
   DCMRequest<> request_blocks() { return blocks_requests.add(); }
   DCMRequest<> request_stiffness() { return stiffness_requests.add(); }
   DCMRequest<int> request_partners(int every = 1) { return partner_requests.add(every); }
+  DCMRequest<class Compute *> request_partners(class Compute *reader)
+  {
+    return reader_requests.add(reader);
+  }
 
   const double *normal_force() const { return stress.data(); }
 
   // all pairs of cells in contact, sorted, summed over ranks, the same on all ranks; of the last
   // step in which they were recorded. Collective
   const std::vector<Partner> &partners();
+  bigint partners_step() const { return partners_at; }    // that step, -1: none yet
 
   // per owned sphere, sum over its contacts of repulsive force times distance from the center:
   // half the distance of two spheres, or that to the plane of contact with a face
@@ -156,6 +163,7 @@ class PairDCMContact : public Pair, public DCMRole {
 
   DCMRequests<> stress_requests, virial_requests, blocks_requests, stiffness_requests;
   DCMRequests<int> partner_requests;
+  DCMRequests<class Compute *> reader_requests;
   DCMRequest<> curvature;
   DCMRequest<double> contact_range;
 
@@ -249,6 +257,7 @@ class PairDCMContact : public Pair, public DCMRole {
   std::vector<dcm::EdgeBlock> sphere_stiffness;    // of spheres
   std::vector<Partner> partner_list;               // of this rank, or merged of all
   bool partners_merged = true;
+  bigint partners_at = -1;
   std::vector<Sisters> sister_list;
   std::vector<double> sister_force;    // of the full law, on this rank
   Counters count;
@@ -295,7 +304,7 @@ class PairDCMContact : public Pair, public DCMRole {
                         const dcm::FaceGeometry *);
   static std::vector<std::string> law_names();
   int find_sisters(tagint, tagint) const;
-  void add_partner(tagint, tagint, double);
+  void add_partner(tagint, tagint, double area, double force, const dcm::Vec3 &axis);
   void check_start();
   uint64_t places() const;
   void check_law(double);

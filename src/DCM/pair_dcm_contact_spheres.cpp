@@ -181,7 +181,7 @@ template <bool SISTERS, bool SLOPE> void PairDCMContact::sphere_contacts(int efl
       moment[i] += 0.5 * d * force;
       moment[j] += 0.5 * d * force;
     }
-    if (want_partners) add_partner(atom->molecule[i], atom->molecule[j], patch);
+    if (want_partners) add_partner(atom->molecule[i], atom->molecule[j], patch, force, u);
     if (want_blocks)
       spheres.push_back({i, j, patch * mat.gt, patch * (mat.gn - mat.gt), {u[0], u[1], u[2]}});
     if (SLOPE) {

@@ -148,6 +148,34 @@ def test_neighbor_graph_by_distance(row_of_cells):
     assert not lammps_dcm.neighbor_graph(u, column="not there", cutoff=0.05).edges
 
 
+def pairs(step, names, *rows):
+    """A frame of a `dump local`."""
+    return (f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n{len(rows)}\n"
+            "ITEM: BOX BOUNDS ss ss ss\n-50 50\n-50 50\n-50 50\n"
+            f"ITEM: ENTRIES {names}\n" + "".join(f"{row} \n" for row in rows))
+
+
+def test_neighbor_graph_of_recorded_contacts(row_of_cells, tmp_path):
+    u, _ = row_of_cells
+    path, names = tmp_path / "contacts", "molecule1 molecule2 area fx"
+    path.write_text(pairs(0, names) + pairs(3, names, "1 2 4.5 -0.25", "1 3 0 0.5", "3 4 2 1"))
+    graph = lammps_dcm.neighbor_graph(u, 0, contacts=path)
+    assert sorted(graph.nodes) == [1, 2, 3, 4]    # those that touch nothing as well
+    assert {tuple(sorted(e)): graph.edges[e] for e in graph.edges} == {
+        (1, 2): {"contact_area": 4.5, "fx": -0.25}, (3, 4): {"contact_area": 2.0, "fx": 1.0}}
+
+
+@pytest.mark.parametrize("text, words", [
+    (pairs(0, "molecule1 molecule2 area"), "no step 3: dump atoms and contacts"),
+    (pairs(3, "c_c[1] c_c[2] area", "1 2 3"), "no column molecule1, molecule2: .*colname"),
+    (pairs(3, "molecule1 molecule2 area", "1 2 3", "1 2")[:-2], "not complete|cut short")])
+def test_recorded_contacts_that_do_not_fit(row_of_cells, tmp_path, text, words):
+    u, _ = row_of_cells
+    (tmp_path / "contacts").write_text(text)
+    with pytest.raises(ValueError, match=words):
+        lammps_dcm.neighbor_graph(u, 0, contacts=tmp_path / "contacts")
+
+
 def test_area_far_from_any_cell_is_told(scene, tmp_path):
     scene.dcm((0, 0, 0), 5.0, level=2)
     (tmp_path / "dump").write_text(scene.frame(0, COLUMNS, contact_area=lambda r: 1.0))

@@ -8,7 +8,7 @@ import numpy as np
 from .analysis import CellContacts, CellPressure, measure_cells
 from .frame_atoms import AtomBook
 from .mesh import Mesh
-from .reader import COORDINATES
+from .reader import COORDINATES, DumpError, DumpFile
 from .shape import CellShape
 from .topology import CENTER, FACE, NODE, SPHERE
 from .triangles import triangle_vectors
@@ -211,7 +211,32 @@ def to_trimesh(universe_or_cells, frame=None, book=None):
 
 # ---------------------------------------------------------------------- networkx
 
-def neighbor_graph(universe, frame=None, column="contact_area", cutoff=None):
+PAIR = ("molecule1", "molecule2", "area")    # values of compute dcm/contact/local
+
+
+def recorded_contacts(dump, step):
+    """Rows of a step in a `dump local` of compute dcm/contact/local: dict of column -> array.
+
+    dump: path, or DumpFile (rename gives columns their names).
+    """
+    file = dump if isinstance(dump, DumpFile) else DumpFile(dump)
+    try:
+        for number in range(len(file)):
+            frame = file.frame(number)
+            if frame.step != step:
+                continue
+            missing = [name for name in PAIR if name not in frame.columns]
+            if missing:
+                raise DumpError(f"{frame.where}: no column {', '.join(missing)}: dump the values "
+                                f"{' '.join(PAIR)} of compute dcm/contact/local, and give columns "
+                                "these names by `dump_modify ID colname`")
+            return frame.table()
+    finally:
+        file.close()
+    raise DumpError(f"{file.path}: no step {step}: dump atoms and contacts in the same steps")
+
+
+def neighbor_graph(universe, frame=None, column="contact_area", cutoff=None, contacts=None):
     """Which cells of a frame touch, as a networkx.Graph.
 
     Nodes: molecule IDs of all cells, with kind ("dcm" or "cbm"), type and center (3,), um. Edges:
@@ -224,15 +249,20 @@ def neighbor_graph(universe, frame=None, column="contact_area", cutoff=None):
     area, if they overlap or are within the cutoff. Without the column all pairs within `cutoff`
     (um, default: the mean edge) are joined, see CellContacts. Columns needed: id mol type x y z,
     kind and v1 v2 v3 or the data file, radius for spheres, and contact_area.
+
+    contacts: a `dump local` of compute dcm/contact/local that has the step, as in
+    recorded_contacts(): the edges are its pairs with an area above zero, with all its other columns
+    (force, normal, ...) as attributes; column and cutoff are not used.
     """
     import networkx
 
     if frame is not None:
         universe.trajectory[frame]
     frame = universe.trajectory.frame
-    contacts = CellContacts(universe, column, cutoff, shares=True).run(frames=[frame])
-    universe.trajectory[frame]    # run() ends at frame 0
-    atoms = contacts.book.frame()
+    if contacts is None:
+        found = CellContacts(universe, column, cutoff, shares=True).run(frames=[frame])
+        universe.trajectory[frame]    # run() ends at frame 0
+    atoms = (AtomBook(universe) if contacts is not None else found.book).frame()
     mesh = Mesh(atoms)
     graph = networkx.Graph(frame=frame, step=int(atoms.data.get("step", 0)),
                            time=float(universe.trajectory.ts.time))
@@ -242,7 +272,16 @@ def neighbor_graph(universe, frame=None, column="contact_area", cutoff=None):
     for slot in np.flatnonzero(atoms.there & (atoms.kind == SPHERE)):
         graph.add_node(int(atoms.mol[slot]), kind="cbm", type=atoms.type[slot],
                        center=atoms.xyz[slot])
-    results = contacts.results
+    if contacts is not None:
+        rows = recorded_contacts(contacts, graph.graph["step"])
+        ends = [rows.pop(name).astype(int).tolist() for name in PAIR[:2]]
+        rows["contact_area"] = rows.pop("area")
+        for a, b, *values in zip(*ends, *rows.values()):
+            more = dict(zip(rows, map(float, values)))
+            if more["contact_area"] > 0.0:
+                graph.add_edge(a, b, **more)
+        return graph
+    results = found.results
     kind = networkx.get_node_attributes(graph, "kind")
     for a, b in results.neighbors[0].tolist():
         if column not in atoms.data or kind[a] == kind[b] == "cbm":

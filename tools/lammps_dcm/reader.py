@@ -57,7 +57,8 @@ def find_frames(path, handle):
 
 class Frame:
     """One frame as text, header parsed: step, time, natoms, box (3, 2) um, tilt (3,) um,
-    periodic (3,) bool, columns (names), body (bytes, one line an atom)."""
+    periodic (3,) bool, columns (names), body (bytes, one line an atom). That of a `dump local` has
+    entries in the place of atoms."""
 
     def __init__(self, text, where):
         self.where = where
@@ -70,7 +71,7 @@ class Frame:
                 raise DumpError(f"{where}: the header is cut short")
             line, at = text[at:end].decode("utf-8", "replace").strip(), end + 1
             lines.append(line)
-            if line.startswith("ITEM: ATOMS"):
+            if line.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")):
                 break
         self.body = text[at:]
         self.tilt = np.zeros(3)
@@ -78,7 +79,7 @@ class Frame:
             for n, line in enumerate(lines):
                 if line.startswith("ITEM: TIMESTEP"):
                     self.step = int(lines[n + 1])
-                elif line.startswith("ITEM: NUMBER OF ATOMS"):
+                elif line.startswith(("ITEM: NUMBER OF ATOMS", "ITEM: NUMBER OF ENTRIES")):
                     self.natoms = int(lines[n + 1])
                 elif line.startswith("ITEM: BOX BOUNDS"):
                     self._parse_box(line.split()[3:], lines[n + 1:n + 4])

@@ -176,11 +176,11 @@ NOBODY = " region nowhere everywhere every 1"
 READ = "fix read all ave/time 1 1 1 {0}"
 
 
-def reads(style, group, values, count):
-    """Field `after`: a compute of per-atom values, summed in each step."""
+def reads(style, group, values, count, kind=""):
+    """Field `after`: a compute of per-atom (or other) values, summed in each step."""
     parts = " ".join(f"c_c[{k}]" for k in range(1, count + 1))
     return dict(after=f"compute c {group} {style} {values}\n"
-                      f"compute s {group} reduce sum {parts}\n" + READ.format("c_s[*]"))
+                      f"compute s {group} reduce sum {parts}{kind}\n" + READ.format("c_s[*]"))
 
 
 EFFECTS = [
@@ -329,6 +329,10 @@ EFFECTS = [
     Effect("values of faces, stress", ("compute dcm/face",),
            reads("dcm/face", "dcm", "area stress", 2),
            reads("dcm/face", "dcm", "area contact_area", 2)),
+    Effect("pairs of cells in contact", ("compute dcm/contact/local",),
+           reads("dcm/contact/local", "cells", "area fx fy fz", 4, " inputs local"),
+           idle=dict(after="compute c cells dcm/contact/local area fx fy fz"),
+           note="nobody reads it"),
     Effect("measures of lumens", ("compute dcm/lumen",),
            dict(fixes(POLARITY, OSMOSIS),
                 after="compute lumen all dcm/lumen\n" + READ.format("c_lumen[1] c_lumen[4]")),

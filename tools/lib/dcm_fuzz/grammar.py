@@ -455,6 +455,7 @@ class Deck:
         "signal": ["signal", "fate"], "tracer": ["secretes"],
     }  # fmt: skip
     FACE = ["area", "contact_area", "free_area", "stress", "curvature", "nx", "ny", "nz", "region"]
+    PAIR = ["molecule1", "molecule2", "force", "fx", "fy", "fz", "normal"]
     SCALARS = {
         "growth": ["f_growth"], "division": ["f_division[1]", "f_division[2]"],
         "death": ["f_death"], "tracer": ["f_tracer[1]", "f_tracer[2]"],
@@ -475,6 +476,10 @@ class Deck:
             self.say(f"compute f all dcm/face area {values}")
             self.say("compute fs all reduce sum c_f[1]")
             columns.append("c_fs")
+        if self.maybe(0.3):
+            self.say(f"compute pairs all dcm/contact/local area {self.one(*self.PAIR)}")
+            self.say("compute ps all reduce sum c_pairs[1] c_pairs[2] inputs local")
+            columns += ["c_ps[1]", "c_ps[2]"]
         if "osmosis" in self.fixes and self.maybe(0.5):
             self.say("compute lumen all dcm/lumen " + self.some(
                 0.3, lambda: f"plane z {self.number(-1, 1)}", lambda: f"min {self.number(1, 20)}",
