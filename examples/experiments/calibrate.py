@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Apparent modulus of center-based cells that are pressed as deformable ones are.
 
-    ./calibrate.py [--level 3] [--out FOLDER] [-var steps 8 ...]
+    ./calibrate.py [--level 3] [--E 1] [--out FOLDER] [-var steps 8 ...]
 
-Runs in.calibrate with deformable cells, fits a1 to a4 to the pressure over the distance of the
-cells by least squares, E_contact being that of type `red` or what --E says, writes them to FOLDER/calibrated.dcm, and runs in.calibrate
-again with center-based cells of that file. It says how far they are from each other, and from cells
-without a1 to a4. A run whose log is complete is not repeated.
+Runs in.calibrate with deformable cells and fits a1 to a4 to the pressure over the distance of the
+cells by least squares; E_contact is that of type `red` or what --E says. Writes them to
+FOLDER/calibrated.dcm, runs in.calibrate again with center-based cells of that file, and says how
+far they are from the deformable ones, and those without a1 to a4. The run with deformable cells is
+not repeated if its log is there: other -var need another folder.
 LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH
 and LAMMPS_POTENTIALS, as for any deck.
 """
