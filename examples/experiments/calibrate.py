@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Apparent modulus of center-based cells that are pressed as deformable ones are.
 
-    ./calibrate.py [--level 3] [--out FOLDER] [-var steps 8 ...]
+    ./calibrate.py [--level 3] [--E 1] [--out FOLDER] [-var steps 8 ...]
 
-Runs in.calibrate with deformable cells, fits E_contact and a1 to a4 to the pressure over the
-distance of the cells by least squares, writes them to FOLDER/calibrated.dcm, and runs in.calibrate
-again with center-based cells of that file. It says how far they are from each other, and from cells
-without a1 to a4. A run whose log is complete is not repeated.
+Runs in.calibrate with deformable cells and fits a1 to a4 to the pressure over the distance of the
+cells by least squares; E_contact is that of type `red` or what --E says. Writes them to
+FOLDER/calibrated.dcm, runs in.calibrate again with center-based cells of that file, and says how
+far they are from the deformable ones, and those without a1 to a4. The run with deformable cells is
+not repeated if its log is there: other -var need another folder.
 LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH
 and LAMMPS_POTENTIALS, as for any deck.
 """
@@ -63,20 +64,18 @@ def sphere_pressure(d, R, nu, W, E, a=()):
     return 2 * math.sqrt(2) * force / d**2
 
 
-def fit(d, pressure, R, nu, W):
-    """E_contact and a1 to a4, none below zero, so that the modulus grows with the compression.
+def fit(d, pressure, R, nu, W, E):
+    """a1 to a4, none below zero, so that the modulus grows with the compression; the misfit.
 
     Unknowns are scaled to the modulus that each one adds at the smallest distance.
     """
     powers = (1 - d.min() / (2 * R)) ** np.arange(1, 5)
 
     def misfit(x):
-        E, a = x[0], x[1:] / powers
-        return [sphere_pressure(one, R, nu, W, E, a) for one in d] - pressure
+        return [sphere_pressure(one, R, nu, W, E, x / powers) for one in d] - pressure
 
-    start = [2.0, 1.0, 1.0, 1.0, 1.0]
-    found = least_squares(misfit, start, bounds=([0.05, 0, 0, 0, 0], np.inf), x_scale="jac")
-    return found.x[0], found.x[1:] / powers, np.sqrt(np.mean(found.fun**2))
+    found = least_squares(misfit, np.ones(4), bounds=(0, np.inf))
+    return found.x / powers, np.sqrt(np.mean(found.fun**2))
 
 
 def value(text, celltype, keyword):
@@ -91,6 +90,7 @@ def main():
     )
     parser.add_argument("--lmp", default=os.environ.get("DCM_LMP", "lmp"))
     parser.add_argument("--level", type=int, default=2, help="icosphere of the deformable cells")
+    parser.add_argument("--E", type=float, help="E_contact of the center-based cells, kPa")
     parser.add_argument("--out", type=Path, default=Path("calibrate"), help="folder of the runs")
     parser.add_argument("-var", nargs=2, action="append", default=[], metavar=("NAME", "VALUE"))
     args = parser.parse_args()
@@ -105,7 +105,8 @@ def main():
     W = float(re.search(r"^adhesion red\s+red\s+(\S+)", text, re.MULTILINE)[1])
 
     d, pressure = run(args.lmp, args.out, f"dcm{args.level}", {**options, "level": args.level})
-    E, a, rms = fit(d, pressure, R, nu, W)
+    E = args.E or value(text, "red", "E_contact")
+    a, rms = fit(d, pressure, R, nu, W, E)
     lines = [
         f"# DATE: {date.today()} UNITS: um nN s CONTRIBUTOR: LAMMPS-DCM",
         "#",
