@@ -198,8 +198,18 @@ void FixDCMMotion::check_deck()
   }
 }
 
+bigint FixDCMMotion::count_movable() const
+{
+  bigint n = 0;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (unknowns.moves(i, 1)) n++;    // group all
+  MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  return n;
+}
+
 /* ----------------------------------------------------------------------
-   ECM friction of every atom type that holds nodes or spheres of the group
+   ECM friction of every atom type that holds nodes or spheres of the group. A group whose cells have
+   all gone is no error: others may come, and restart files have to be written
 ------------------------------------------------------------------------- */
 
 void FixDCMMotion::find_friction()
@@ -208,8 +218,9 @@ void FixDCMMotion::find_friction()
   const auto needed =
       AtomVecDCM::types_holding(lmp, {AtomVecDCM::NODE, AtomVecDCM::SPHERE}, groupbit);
   const bool holds = std::find(needed.begin(), needed.end(), 1) != needed.end();
-  held = held || holds;    // what there was may have died or been deleted since
-  if (!held)
+  const bool died = removed || count_movable() < movable;    // or been deleted by the deck
+  removed = false;
+  if (!holds && !died)
     error->all(FLERR, "{}: group {} holds no node and no sphere, nothing to move", STYLE,
                group->names[igroup]);
 

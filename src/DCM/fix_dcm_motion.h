@@ -64,6 +64,7 @@ class FixDCMMotion : public Fix, public DCMRole {
     return MOVES | (implicit ? IMPLICIT : 0U) | (automatic ? CHOOSES_STEP : 0U) |
            (shrinks ? SHORTENS_STEP : 0U);
   }
+  void cell_removed(int) override { removed = true; }
   int solved_bits() const override { return groupbit; }
   std::string work() override;
 
@@ -84,7 +85,8 @@ class FixDCMMotion : public Fix, public DCMRole {
   dcm::FrictionSolver<dcm::FrictionComm> solver;
   dcm::FrictionResult last;
 
-  bool held = false;                    // the group has held nodes or spheres
+  bool removed = false;    // cells have been taken away in the last run
+  bigint movable = -1;     // nodes and spheres there were at its end, in the group or not; -1: no run
   bool stale, deferred, pending;        // lists outdated; solve of setup() must wait, is waiting
   std::vector<int> face_slots;          // 3 per owned face
   std::vector<double> owner;            // per owned + ghost atom: its process
@@ -122,6 +124,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   double solves, iterations;    // since the start of the run
   double seconds_assembly, seconds_solve, messages_start;
 
+  bigint count_movable() const;
   void find_friction();
   void check_deck();
   void make_slots();

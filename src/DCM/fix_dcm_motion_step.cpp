@@ -264,6 +264,7 @@ void FixDCMMotion::set_step(double dt)
 
 void FixDCMMotion::post_run()
 {
+  movable = count_movable();
   tell_short();
   if (ended) timer->reset_timeout();
   ended = false;

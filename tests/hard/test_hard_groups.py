@@ -46,9 +46,16 @@ def test_whole_cell_deleted(case):
     [
         ("group part id 2:20", r"dcm/.*(cell|face) \d"),
         ("group part id 1", "cell 1, which has no center atom"),
-        ("group part union all", "dcm/"),
     ],
 )
 def test_not_a_whole_cell_deleted(case, what, message):
-    """Nor may all be."""
+    """One error, which names what is missing."""
     stops(case, deck(case) + f"{what}\ndelete_atoms group part bond yes\nrun 20\n", message)
+
+
+def test_all_cells_deleted(case):
+    """The empty box goes on: it can be written, and others may come."""
+    gone = "group part union all\ndelete_atoms group part bond yes\nrun 20\nwrite_restart r.none\n"
+    run = case.run(deck(case) + gone)
+    assert not run.last.cells
+    assert (run.path / "r.none").stat().st_size > 0
