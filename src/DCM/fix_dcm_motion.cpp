@@ -208,8 +208,8 @@ bigint FixDCMMotion::count_movable() const
 }
 
 /* ----------------------------------------------------------------------
-   ECM friction of every atom type that holds nodes or spheres of the group. A group whose cells have
-   all gone is no error: others may come, and restart files have to be written
+   ECM friction of every atom type that holds nodes or spheres of the group. A group whose cells
+have all gone is no error: others may come, and restart files have to be written
 ------------------------------------------------------------------------- */
 
 void FixDCMMotion::find_friction()
