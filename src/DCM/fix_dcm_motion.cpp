@@ -218,9 +218,10 @@ void FixDCMMotion::find_friction()
   const auto needed =
       AtomVecDCM::types_holding(lmp, {AtomVecDCM::NODE, AtomVecDCM::SPHERE}, groupbit);
   const bool holds = std::find(needed.begin(), needed.end(), 1) != needed.end();
-  const bool died = removed || count_movable() < movable;    // or been deleted by the deck
+  const bool fewer = count_movable() < movable;    // the deck has deleted some
+  emptied = !holds && (emptied || removed || fewer);
   removed = false;
-  if (!holds && !died)
+  if (!holds && !emptied)
     error->all(FLERR, "{}: group {} holds no node and no sphere, nothing to move", STYLE,
                group->names[igroup]);
 

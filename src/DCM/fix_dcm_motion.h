@@ -85,12 +85,12 @@ class FixDCMMotion : public Fix, public DCMRole {
   dcm::FrictionSolver<dcm::FrictionComm> solver;
   dcm::FrictionResult last;
 
-  bool removed = false;    // cells have been taken away in the last run
-  bigint movable =
-      -1;    // nodes and spheres there were at its end, in the group or not; -1: no run
-  bool stale, deferred, pending;        // lists outdated; solve of setup() must wait, is waiting
-  std::vector<int> face_slots;          // 3 per owned face
-  std::vector<double> owner;            // per owned + ghost atom: its process
+  bool emptied = false;             // the cells of the group have all died or been deleted
+  bool removed = false;             // cells have been taken away in the last run
+  bigint movable = -1;              // nodes and spheres at its end, in the group or not; -1: no run
+  bool stale, deferred, pending;    // lists outdated; solve of setup() must wait, is waiting
+  std::vector<int> face_slots;      // 3 per owned face
+  std::vector<double> owner;        // per owned + ghost atom: its process
   std::vector<double> rhs, velocity;    // dcm::STRIDE per slot
   std::vector<double> cell_sums;
 

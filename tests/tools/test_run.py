@@ -291,14 +291,14 @@ def test_after_and_what_it_needs(needs):
 
 
 def test_every_shipped_deck_has_its_files(run_deck):
-    """A file beside an example is a deck, a log, a study, or a deck there needs it."""
+    """A file beside an example is a deck, a log, a Python program, or a deck there needs it."""
     for folder in {deck.parent for deck in (ROOT / "examples").glob("*/in.*")}:
         needed = set()
         for deck in folder.glob("in.*"):
             for size in ("quick", "full"):
                 needed |= {str(f) for f in run_deck.needed_files(deck, [("size", size)])}
         others = {p.name for p in folder.iterdir() if not p.name.startswith(("in.", "log."))
-                  and p.name != "study.py" and not p.name.endswith("_study.csv")}
+                  and p.suffix != ".py" and not p.name.endswith("_study.csv")}
         assert others <= needed
 
 
