@@ -39,7 +39,7 @@ SHORT = {
     "crowd": {"hours": 0.0225, "cycle": 200, "death": 2e-3, "image": "no"},
     "division": {"level": 2, "steps": 200, "image": "no"},
     "doublet": {"level": 1, "settle": 150, "press": 0.5, "rate": 0.05, "image": "no"},
-    "fill": {"level": 1, "duration": 1200, "scale": 0.85, "image": "no"},
+    "fill": {"level": 1, "n": 3, "duration": 400, "scale": 0.85, "image": "no"},
     "indent": {"level": 2, "settle": 10, "steps": 1, "image": "no"},
     "lumen": {"shut": 100, "start": 50, "hold": 100, "more": 50, "movie": "no"},
     "migration": {"duration": 150, "persistence": 40, "image": "no"},
