@@ -322,6 +322,8 @@ def test_rheometer(experiment):
     assert rest[0] == pytest.approx(rest[1], rel=0.05)
     for result in (fast, slow):
         assert result.runs[-1][-1]["strain"] == pytest.approx(0.1, abs=1e-12)
+        pairs = (result.path / "rheometer.contacts").read_text().splitlines()[9:]
+        assert {int(m) for line in pairs for m in line.split()[1:3]} == set(range(1, 16))
 
 
 # --- spread ---------------------------------------------------------------------------------------
