@@ -59,6 +59,7 @@ void CreateCells::command(int narg, char **arg)
   mesh = dcm::icosphere(3);
   DCMArgs args(lmp, "Create_cells", narg - iarg, arg + iarg,
                {"dcm", "cbm", "mesh", "rest", "rotate", "scale"});
+  args.may_repeat({"dcm", "cbm"});
   parse_keywords(args);
   DCMCellBuilder builder(lmp, "Create_cells", true);
   top = builder.prepare(mesh, equal_volume);

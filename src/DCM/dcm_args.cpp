@@ -36,6 +36,11 @@ void DCMArgs::add_keywords(const std::vector<std::string> &more)
   keywords.insert(keywords.begin(), more.begin(), more.end());
 }
 
+void DCMArgs::may_repeat(const std::vector<std::string> &these)
+{
+  repeatable.insert(repeatable.end(), these.begin(), these.end());
+}
+
 std::string DCMArgs::known() const
 {
   return utils::join_words(keywords, " ");
@@ -53,6 +58,12 @@ bool DCMArgs::next()
   key = arg[iarg];
   if (!keyword_ahead())
     error->all(FLERR, "{}: unknown keyword {}; known: {}", asking, key, known());
+  const auto among = [this](const std::vector<std::string> &list) {
+    return std::find(list.begin(), list.end(), key) != list.end();
+  };
+  if (among(given) && !among(repeatable))
+    error->all(FLERR, "{}: keyword {} is there twice; keep the one that is meant", asking, key);
+  given.push_back(key);
   ikey = iarg++;
   return true;
 }

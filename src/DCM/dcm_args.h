@@ -49,9 +49,11 @@ class DCMArgs : protected Pointers, public DCMRanges {
   const char *take() { return arg[iarg++]; }
 
   void add_keywords(const std::vector<std::string> &);    // in front of the known ones
+  void may_repeat(const std::vector<std::string> &);      // others: an error if given twice
   std::string known() const;
 
-  // on to the next keyword; false: no argument is left, an error: it is not known
+  // on to the next keyword; false: no argument is left, an error: it is not known, or was there
+  // before: which of two values is meant nobody knows
   bool next();
   const std::string &keyword() const { return key; }
   bool is(const std::string &keyword) const { return key == keyword; }
@@ -80,7 +82,7 @@ class DCMArgs : protected Pointers, public DCMRanges {
   std::string asking;
   int narg, iarg, ikey;    // arguments, next one, place of the keyword
   char **arg;
-  std::vector<std::string> keywords;
+  std::vector<std::string> keywords, repeatable, given;
   std::string key;
 };
 

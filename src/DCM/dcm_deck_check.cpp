@@ -54,6 +54,27 @@ static void check_neighbor(LAMMPS *lmp, const std::string &asking)
           asking);
 }
 
+void LAMMPS_NS::dcm_warn_excluded(LAMMPS *lmp, const std::string &asking)
+{
+  const Neighbor *const neighbor = lmp->neighbor;
+  if (lmp->comm->me) return;
+  std::vector<std::string> settings;
+  for (int n = 0; n < neighbor->nex_group; n++)
+    settings.push_back(fmt::format("group {} {}", lmp->group->names[neighbor->ex1_group[n]],
+                                   lmp->group->names[neighbor->ex2_group[n]]));
+  for (int n = 0; n < neighbor->nex_mol; n++)
+    if (neighbor->ex_mol_group[n] != 0 && !neighbor->ex_mol_intra[n])
+      settings.push_back(
+          fmt::format("molecule/inter {}", lmp->group->names[neighbor->ex_mol_group[n]]));
+  for (const auto &setting : settings)
+    lmp->error->warning(
+        FLERR,
+        "{}: with neigh_modify exclude {} these cells do not touch each other: they have no "
+        "contact, adhesion or friction and pass through each other. Right for bodies that stay "
+        "apart; otherwise 'neigh_modify exclude none'",
+        asking, setting);
+}
+
 static void check_kinds(LAMMPS *lmp, const std::string &asking)
 {
   const Atom *const atom = lmp->atom;

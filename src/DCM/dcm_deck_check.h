@@ -26,6 +26,10 @@ namespace LAMMPS_NS {
 
 void dcm_check_deck(class LAMMPS *, const std::string &asking);
 
+// one warning for each setting of neigh_modify that takes contacts away between some cells only
+
+void dcm_warn_excluded(class LAMMPS *, const std::string &asking);
+
 // a group that a style acts on through atoms of some kinds, those that stand for cells or move: an
 // error if it holds atoms of cells but none of these kinds, so that nothing would ever happen
 

@@ -22,6 +22,7 @@
 using namespace LAMMPS_NS;
 
 const std::vector<std::string> DCMRetype::KEYWORDS = {"to", "join", "leave"};
+const std::vector<std::string> DCMRetype::REPEATABLE = {"join", "leave"};
 
 // kinds of atoms of a cell, in the order of its types and masks
 
@@ -170,6 +171,8 @@ void LAMMPS_NS::dcm_retype_cells(LAMMPS *lmp, FixDCMCell *cell, int narg, char *
   DCMRetype to(lmp, STYLE);
   DCMArgs args(lmp, STYLE, narg, arg, {"molecule", "group"});
   args.add_keywords(DCMRetype::KEYWORDS);
+  args.may_repeat({"molecule", "group"});
+  args.may_repeat(DCMRetype::REPEATABLE);
   std::vector<tagint> molecules;
   std::vector<std::string> groups;
   while (args.next()) {

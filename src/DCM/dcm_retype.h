@@ -31,7 +31,7 @@ class DCMRetype : protected Pointers {
   DCMRetype(class LAMMPS *, const std::string &asking);
 
   // keywords that parse() knows: to Tcenter Tnode Tface [Tbond Tdihedral], join GROUP, leave GROUP
-  static const std::vector<std::string> KEYWORDS;
+  static const std::vector<std::string> KEYWORDS, REPEATABLE;
   bool parse(class DCMArgs &);    // false: the keyword is another one
   void join_group(const std::string &id) { joins.push_back(id); }
 

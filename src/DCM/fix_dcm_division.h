@@ -63,9 +63,10 @@ class FixDCMDivision : public Fix, public DCMRole {
     DCMCellSurgery::Cell mother;    // positions relative to origin, like those of plane, daughters
     dcm::Vec3 origin;               // place of its first node
     dcm::DivisionPlane plane;
-    double volume;    // of the mother
+    double volume;    // of the mother, and of her rounded shape, which is what the daughters see
+    double rounded_volume;
     dcm::DivisionMaterial material;
-    double rest;    // rest length over edge of the round cell
+    double rest;    // rest length over edge of the round cell of her rest volume
     const DCMCellBuilder::Topology *round;
     dcm::Daughter daughter[2];
   };

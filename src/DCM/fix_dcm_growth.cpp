@@ -66,6 +66,7 @@ FixDCMGrowth::FixDCMGrowth(LAMMPS *lmp, int narg, char **arg) :
   DCMArgs args(
       lmp, STYLE, narg - 3, arg + 3,
       {"seed", "law", "compression", "rounding", "until", "newborn", "age", "proliferating"});
+  args.may_repeat({"proliferating"});
   parameters = std::make_unique<DCMParameters>(
       lmp, STYLE, std::vector<std::string>{"cycle_time", "cycle_sd", "K_V"});
   parameters->parse(args, atom->ntypes);

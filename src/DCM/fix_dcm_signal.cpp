@@ -49,6 +49,7 @@ FixDCMSignal::FixDCMSignal(LAMMPS *lmp, int narg, char **arg) :
   nevery = 1;
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"from", "area", "time", "lumen", "lapse", "every"});
   args.add_keywords(DCMRetype::KEYWORDS);
+  args.may_repeat(DCMRetype::REPEATABLE);
   while (args.next()) {
     if (to.parse(args)) continue;
     if (args.is("from")) {

@@ -290,6 +290,7 @@ class PairDCMContact : public Pair, public DCMRole {
   void add_pair(int, int, int *);
   void check_radii();
   [[noreturn]] void fail_radius(int, double, double);
+  std::string shape_of(int) const;
   void make_faces();
   void find_candidates();
   template <class State, bool HISTORY> static constexpr std::array<Contacts, 2> contacts_of();

@@ -17,6 +17,8 @@
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "fix_neigh_history.h"
+#include "law/mesh.h"
+#include "law/volume.h"
 #include "neigh_list.h"
 #include "neighbor.h"
 #include "update.h"
@@ -24,6 +26,12 @@
 #include <algorithm>
 
 using namespace LAMMPS_NS;
+using dcm::Vec3;
+
+// of a mesh that loses its order: face_quality(), area over the mean of the cell; icospheres
+// have 0.9 and 1.2
+
+static constexpr double LEAST_QUALITY = 0.3, LARGEST_FACE = 1.5;
 
 /* ----------------------------------------------------------------------
    after each rebuild: sort the neighbor list by kind, so that the loops of
@@ -168,6 +176,35 @@ void PairDCMContact::check_radii()
     }
 }
 
+// what to look for: a sound face that has grown with its cell, or a mesh that loses its order;
+// by the faces of the cell that are known here
+
+std::string PairDCMContact::shape_of(int i) const
+{
+  const auto *const *const x = atom->x;
+  double quality = 1.0, own = 0.0, all = 0.0;
+  int n = 0;
+  for (const auto &face : fix_cell->faces()) {
+    if (atom->molecule[face.atom] != atom->molecule[i] || !face.whole()) continue;
+    const Vec3 a = dcm::vec(x[face.v[0]]), b = dcm::vec(x[face.v[1]]), c = dcm::vec(x[face.v[2]]);
+    const double area = dcm::face_area_vector(a, b, c).norm();
+    all += area;
+    n++;
+    if (face.atom != i) continue;
+    own = area;
+    quality = dcm::face_quality(a, b, c);
+  }
+  if (own == 0.0) return "";
+  const double ratio = own * n / all;
+  return fmt::format(quality < LEAST_QUALITY || ratio > LARGEST_FACE
+                         ? "its quality is {:.2}, its area {:.3} of the mean of its cell: the mesh "
+                           "loses its order, look for what pulls at it, or reduce the time "
+                           "step; if it is to be so, "
+                         : "it has a sound shape (quality {:.2}) and {:.3} of the mean area of "
+                           "its cell, which has grown or is stretched: ",
+                     quality, ratio);
+}
+
 void PairDCMContact::fail_radius(int i, double sum, double limit)
 {
   const TypeInfo &info = types[atom->type[i]];
@@ -175,14 +212,14 @@ void PairDCMContact::fail_radius(int i, double sum, double limit)
   const double growth = set.growth > 0.0 ? set.growth : face ? FACE_GROWTH : sphere_growth;
   const bool minimizing =
       update->whichflag == 2;    // min_style fire limits all moves but the first
-  error->one(
-      FLERR,
-      "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step {}, "
-      "beyond the {:.4} that the neighbor list is laid out for, and with another the sum "
-      "{:.4}, beyond {:.4}; {}look for a mesh that falls apart, or continue from before with a "
-      "larger growth: 'pair_style dcm/contact ... growth {:.4}' and the same pair_coeff",
-      face ? "face" : "sphere", atom->tag[i], atom->molecule[i], atom->radius[i], update->ntimestep,
-      info.promise, sum, limit,
-      minimizing ? fmt::format("minimize with a smaller timestep than {:.4}, ", update->dt) : "",
-      1.25 * growth);
+  error->one(FLERR,
+             "Pair style dcm/contact: the {} {} of cell {} has grown to radius {:.4} at step {}, "
+             "beyond the {:.4} that the neighbor list is laid out for, and with another the sum "
+             "{:.4}, beyond {:.4}; {}{}continue from before with a larger growth: "
+             "'pair_style dcm/contact ... growth {:.4}' and the same pair_coeff",
+             face ? "face" : "sphere", atom->tag[i], atom->molecule[i], atom->radius[i],
+             update->ntimestep, info.promise, sum, limit,
+             minimizing ? fmt::format("minimize with a smaller timestep than {:.4}, ", update->dt)
+                        : "",
+             face ? shape_of(i) : "", 1.25 * growth);
 }

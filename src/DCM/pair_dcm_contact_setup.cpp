@@ -217,6 +217,7 @@ void PairDCMContact::init_style()
     contact_range = fix_cell->request_contact_range(range_used);
   }
   exclude_types();
+  dcm_warn_excluded(lmp, STYLE);
   set_cutoff();
   setup_history();
   choose_collections();

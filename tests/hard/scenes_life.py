@@ -118,6 +118,7 @@ def fast_cycle(case, cycle, generations):
         scene,
         generations * cycle + 4.0,
         case.pick(1.0, 2.0),
+        contact=case.contact(scene, "growth 2"),  # the mother's own and her stretch at the end
         extra=life(scene, cycle),
         frames=generations,
     )

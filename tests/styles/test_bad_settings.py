@@ -35,6 +35,31 @@ def test_neighbor(lmp, scenes, case):
     fails(lmp, whole(scenes.doublet(), extra=text), *patterns)
 
 
+@pytest.mark.parametrize(
+    "setting, told",
+    [
+        ("group left right", "exclude group left right"),
+        ("molecule/inter both", "exclude molecule/inter both"),
+    ],
+)
+def test_neighbor_exclude_some(lmp, scenes, setting, told):
+    """Contacts between some cells left out: allowed, for bodies that stay apart, and told once a
+    run; the cells then do not feel each other."""
+    scene = scenes.Scene(30.0, "f f f")
+    scene.cbm(0.0, 0.0, 0.0, 6.0)
+    scene.cbm(11.0, 0.0, 0.0, 6.0)
+    parts = {"cortex": "", "volume": "", "cell": "fix cell all dcm/cell\n"}
+    groups = "group left molecule 1\ngroup right molecule 2\ngroup both molecule 1 2\n"
+    tail = "thermo_style custom step fmax\nrun 0\n"
+    touching = lmp(whole(scene, extra=groups, **parts) + tail)
+    setting = f"{groups}neigh_modify exclude {setting}\n"
+    apart = lmp(whole(scene, extra=setting, **parts) + tail)
+    warned = [w for w in apart.out.splitlines() if "WARNING" in w and "do not touch" in w]
+    assert len(warned) == 1 and told in warned[0] and "exclude none" in warned[0]
+    assert "do not touch" not in touching.out
+    assert touching.thermo[-1]["Fmax"] > 0.1 and apart.thermo[-1]["Fmax"] == 0.0
+
+
 def test_neighbor_of_spheres(lmp, scenes):
     scene = scenes.Scene(30.0, "f f f")
     scene.cbm(0.0, 0.0, 0.0, 6.0)

@@ -255,6 +255,7 @@ def test_doublet_without_springs(lmp):
     """Nothing holds the mesh in a contact: the run ends with an error, as the page says."""
     result = lmp.run("variable settle index 200\nvariable springs index 0\n" + DECK.read_text())
     assert "has grown to radius" in result.out and result.returncode != 0
+    assert "the mesh loses its order" in result.out
 
 
 # --- where the values come from -------------------------------------------------------------------
