@@ -4,23 +4,31 @@ of a run are to the image.
 
     ./tissue.py                          the folder tissue, of which in.import makes cells
     ./tissue.py --voxel 0.25 -o fine     the same tissue, seen more finely
-    ./tissue.py --report FOLDER          what a run of in.import in FOLDER says against the image
+    ./tissue.py --report FOLDER          what a run of in.import in FOLDER says against the tissue
+    ./tissue.py --study FOLDER           in.import with other voxels and meshes, and all reports
 
 The tissue is known exactly: the cells of Voronoi of some seeds, cut off by a ball. It needs the
-folder tools in PYTHONPATH.
+folder tools in PYTHONPATH; --study runs LAMMPS, which is `--lmp`, else DCM_LMP, else `lmp`.
 """
 
 import argparse
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from lammps_dcm.labels import cells_of_image
-from lammps_dcm.mesh_file import write_surface
+from lammps_dcm.text import write_text
 
 BALL, APART = 13.5, 6.5  # um: radius of the tissue, least distance of two seeds
 LEAST = 1.0  # um^2: who shares less is no neighbor
+FINE = 0.125  # um: voxels of the image with which the tissue itself is measured
+HERE = Path(__file__).resolve().parent
+STUDY = [(1.0, 162), (0.5, 162), (0.25, 162), (0.5, 642), (0.25, 642)]  # voxel (um), nodes a cell
 
 
 def seeds():
@@ -69,8 +77,10 @@ def write_meshes(folder, voxel, nodes):
     cells = cells_of_image(labels, np.full(3, voxel), nodes)
     folder.mkdir(parents=True, exist_ok=True)
     for cell in cells:
-        points = np.round(cell.nodes + corner, 4)
-        write_surface(folder / f"cell_{cell.label:02d}.off", points, cell.faces)
+        rows = ["OFF", f"{len(cell.nodes)} {len(cell.faces)} 0"]
+        rows += ["{:.4f} {:.4f} {:.4f}".format(*x) for x in cell.nodes + corner]
+        rows += ["3 {} {} {}".format(*face) for face in cell.faces]
+        write_text(folder / f"cell_{cell.label:02d}.off", "\n".join(rows) + "\n")
     return cells
 
 
@@ -87,10 +97,10 @@ def agreement(found, expected):
     return right, missing, extra, 2 * right / max(1, len(found) + len(expected))
 
 
-def report(folder, fine):
-    """Lines that compare a run with the tissue itself, an image of voxels of `fine` um."""
-    labels, _ = image(fine)
-    exact, areas = volumes(labels, fine), neighbors(labels, fine)
+def report(folder):
+    """Lines that compare a run with the tissue itself."""
+    labels, _ = image(FINE)
+    exact, areas = volumes(labels, FINE), neighbors(labels, FINE)
     expected = {pair for pair, area in areas.items() if area > LEAST}
     lines = [f"tissue: {len(exact)} cells, {len(expected)} pairs that share over {LEAST:g} um^2"]
     for name in ("start", "end"):
@@ -110,6 +120,25 @@ def report(folder, fine):
     return lines
 
 
+def study(folder, lmp):
+    """Each run in a folder of its own; one that has ended is not repeated."""
+    for voxel, nodes in STUDY:
+        here = folder / f"voxel{voxel:g}_nodes{nodes}"
+        if not (here / "import.end.cells").exists():
+            write_meshes(here / "tissue", voxel, nodes)
+            for name in ("in.import", "start.lmp", "cell.lmp", "experiments.dcm"):
+                shutil.copy(HERE / name, here)
+            words = [lmp, "-in", "in.import", "-nocite", "-log", "log.import"]
+            words += ["-var", "image", "no", "-var", "overlap", "1"]
+            done = subprocess.run(words, cwd=here, capture_output=True, text=True, check=False)
+            if done.returncode:
+                sys.exit("\n".join([" ".join(words), *done.stdout.splitlines()[-5:]]))
+        log = (here / "log.import").read_text().splitlines()
+        print(f"\nvoxels of {voxel:g} um, {nodes} nodes a cell")
+        print(*[line for line in log if line.startswith(("after", "Total wall"))], sep="\n")
+        print(*report(here), sep="\n", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -118,10 +147,14 @@ def main():
     parser.add_argument("--nodes", type=int, default=162, help="of a cell, about")
     parser.add_argument("-o", "--output", type=Path, default=Path("tissue"), metavar="FOLDER")
     parser.add_argument("--report", type=Path, metavar="FOLDER")
-    parser.add_argument("--fine", type=float, default=0.125, help="um: voxels of the report")
+    parser.add_argument("--study", type=Path, metavar="FOLDER")
+    parser.add_argument("--lmp", default=os.environ.get("DCM_LMP", "lmp"))
     args = parser.parse_args()
     if args.report:
-        print(*report(args.report, args.fine), sep="\n")
+        print(*report(args.report), sep="\n")
+        return
+    if args.study:
+        study(args.study, args.lmp)
         return
     cells = write_meshes(args.output, args.voxel, args.nodes)
     print(f"{len(cells)} cells in {args.output}")
