@@ -78,8 +78,7 @@ void CreateCells::command(int narg, char **arg)
   for (size_t n = 0; n < requests.size(); n++) {
     find_types(requests[n]);
     check_place(n);
-    if (requests[n].deformable)
-      slots = std::max(slots, shapes[requests[n].shape].top.slots);
+    if (requests[n].deformable) slots = std::max(slots, shapes[requests[n].shape].top.slots);
   }
   check_overlaps();
   if (slots) builder.reserve_slots(slots);
@@ -159,9 +158,9 @@ void CreateCells::command(int narg, char **arg)
   }
   if (comm->me == 0)
     utils::logmesg(lmp, "Created {} deformable cells{} and {} center-based cells\n", ncreated[1],
-                   least < most      ? fmt::format(" of {} to {} nodes", least, most)
-                       : ncreated[1] ? fmt::format(" of {} nodes", most)
-                                     : "",
+                   least < most  ? fmt::format(" of {} to {} nodes", least, most)
+                   : ncreated[1] ? fmt::format(" of {} nodes", most)
+                                 : "",
                    ncreated[0]);
 }
 

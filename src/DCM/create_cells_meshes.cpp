@@ -249,7 +249,8 @@ void CreateCells::check_overlaps() const
       dcm_minimum_image(domain, d[0], d[1], d[2]);
       // into the frame of the envelope's file
       const auto found = dcm::mesh_overlap(envelope, inner.mesh, outer.top.mid + d - inner.top.mid);
-      if (found.depth > limit) mine.push_back({(int) own[a], (int) own[b], found.node, found.depth});
+      if (found.depth > limit)
+        mine.push_back({(int) own[a], (int) own[b], found.node, found.depth});
     }
   }
   auto faults = dcm_allgather(mine, world);
@@ -264,7 +265,7 @@ void CreateCells::check_overlaps() const
              "Create_cells: cell {} is {:.4g} deep{} inside cell {}, more than {:.4g}{}; mend the "
              "meshes, or allow more with 'overlap'",
              called(worst.inner), worst.depth,
-             worst.node >= 0 ? fmt::format(" at node {}", worst.node + 1) : "",
-             called(worst.outer), limit,
+             worst.node >= 0 ? fmt::format(" at node {}", worst.node + 1) : "", called(worst.outer),
+             limit,
              pairs.size() > 1 ? fmt::format(" ({} more pairs do so)", pairs.size() - 1) : "");
 }

@@ -5,6 +5,7 @@ import pytest
 
 from support.bad_decks import fails, whole
 from support.meshes import cube, icosphere, off
+from support.parameters import CORTEX
 
 # three cells of different meshes that touch nowhere, one of them far from round
 BALL, BRICK = icosphere(2), cube(4)
@@ -111,12 +112,14 @@ def test_through_a_periodic_border(lmp, scenes, folder, ranks):
 
 
 def test_state_of_rest(lmp, scenes, folder):
-    """Rest volumes are those of the meshes: cells start without pressure."""
+    """Rest volumes are those of the meshes, so that cells start without pressure, and rest lengths
+    the given part of the edges: springs k have the energy k/2 (1 - rest)^2 times their squares."""
     command = f"create_cells meshes hep 0 0 0 {folder} {TYPES} rest 0.9"
     deck = whole(
         scene_of(scenes, command),
         extra="compute cells all dcm/cell volume volume0 pressure\n"
-        "dump d all custom 1 v.txt id type c_cells[*]\ndump_modify d format float %.17g\n",
+        "dump d all custom 1 v.txt id type c_cells[*]\ndump_modify d format float %.17g\n"
+        "thermo_style custom step ebond\nthermo_modify norm no format float %.17g\n",
     )
     result = lmp(deck + "run 0\n")
     frame = result.dump("v.txt")[0]
@@ -125,6 +128,13 @@ def test_state_of_rest(lmp, scenes, folder):
     for column in ("c_cells[1]", "c_cells[2]"):
         assert frame[column][centers] == pytest.approx(expected, rel=1e-12)
     assert frame["c_cells[3]"][centers] == pytest.approx(0.0, abs=1e-9)
+    squares = 0.0
+    for nodes, faces in CELLS.values():
+        edges = np.sort(np.array(faces)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        edges = np.unique(edges, axis=0)
+        squares += ((nodes[edges[:, 0]] - nodes[edges[:, 1]]) ** 2).sum()
+    k = 2 / np.sqrt(3) * CORTEX["E_cor"] * CORTEX["h_cor"]
+    assert result.thermo[0]["E_bond"] == pytest.approx(k / 2 * 0.1**2 * squares, rel=1e-9)
 
 
 def open_mesh():

@@ -1,8 +1,8 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// How deep is one closed surface inside another? Surfaces of neighbors that were made from one image
-// share a little space; those that share more start on the wrong sides of each other. Set-up code:
-// it allocates and is not meant for the time step. Lengths in um.
+// How deep is one closed surface inside another? Surfaces of neighbors that were made from one
+// image share a little space; those that share more start on the wrong sides of each other. Set-up
+// code: it allocates and is not meant for the time step. Lengths in um.
 
 #ifndef DCM_MESH_OVERLAP_H
 #define DCM_MESH_OVERLAP_H
