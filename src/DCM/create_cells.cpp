@@ -66,8 +66,9 @@ void CreateCells::command(int narg, char **arg)
     request.deformable = true;
     request.where = "meshes";
     request.x = point({arg + 2, arg + 5}, request.where);
-    do add_files(args.take(), request);
-    while (!args.keyword_ahead());
+    if (args.keyword_ahead())
+      error->all(FLERR, "Create_cells: meshes: name mesh files, or folders of them, after x y z");
+    while (!args.keyword_ahead()) add_files(args.take(), request);
   }
   shapes.push_back({"", 0, dcm::icosphere(3), {}});
   parse_keywords(args, source == "meshes");

@@ -236,7 +236,7 @@ OTHER = {
     "scale": (f"meshes hep 0 0 0 {{folder}} {TYPES} scale volume", "remove keyword scale"),
     "mesh": (f"meshes hep 0 0 0 {{folder}} {TYPES} mesh icosphere 2", "remove keyword mesh"),
     "place": (f"meshes hep 0 0 {{folder}} a.off {TYPES}", "is not a number"),
-    "no path": (f"meshes hep 0 0 0 {TYPES}", "cannot|unknown kind"),
+    "no path": (f"meshes hep 0 0 0 {TYPES}", "name mesh files, or folders"),
     "icosphere of no size": (f"single hep dcm 0 0 0 6 {TYPES} scale none", "add 'mesh file PATH'"),
     "turned": (f"single hep dcm 0 0 0 0 {TYPES} mesh file {{folder}}/a.off scale none rotate 1",
                "remove keyword rotate"),
