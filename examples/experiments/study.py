@@ -5,6 +5,9 @@
                                 experiments_cells.png
     ./study.py --report         only table and figures, from the logs and pictures there are
 
+Further studies of decks have scripts of their own: calibrate.py fits what in.calibrate measures,
+tissue.py --study compares what in.import makes with the tissue.
+
 It can be stopped at any time and called again: runs whose log is complete are not repeated.
 LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH
 and LAMMPS_POTENTIALS, as for any deck, and the folder tools in PYTHONPATH.
@@ -40,10 +43,18 @@ RUNS = [
     *[("sorting", {"W": 0.05, "seed": seed}) for seed in (1, 2, 3)],
     ("compress", {}),
     ("compress", {"level": 3}),
+    *[("spread", {"W": W}) for W in (0.02, 0.04, 0.08)],
+    *[("spread", {"W": W, "level": 2}) for W in (0.02, 0.04, 0.08, 0.12)],
+    *[("spread", {"friction": friction}) for friction in (0.5, 50)],
+    *[("chemotaxis", options) for options in ({}, {"profile": "exponential"})],
+    ("chemotaxis", {"kind": "dcm", "n": 16, "hours": 4}),
+    *[("calibrate", {"kind": kind}) for kind in ("dcm", "cbm")],
+    *[("rheometer", {"rate": rate}) for rate in (1e-4, 1e-3, 1e-2)],
+    ("import", {}),
 ]
 SAYS = (
     "depth", "strain", "recoil", "suction", "sucked", "contracted", "let go", "shocked", "the other",
-    "demixing",
+    "demixing", "spread", "theory", "crawled", "distance", "after",
 )  # fmt: skip
 
 
@@ -187,6 +198,7 @@ def main():
     for path in HERE.iterdir():
         if path.is_file() and path.suffix != ".py":
             shutil.copy(path, args.out)
+    shutil.copytree(HERE / "tissue", args.out / "tissue", dirs_exist_ok=True)
     for n, (deck, options) in enumerate(RUNS, 1):
         text = " ".join(f"{k} {v}" for k, v in options.items())
         if not args.report and not log_of(args.out, deck, options).exists():

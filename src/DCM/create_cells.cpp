@@ -17,7 +17,6 @@
 #include "dcm_args.h"
 #include "law/mesh_io.h"
 #include "law/random.h"
-#include "law/self_crossing.h"
 #include "dcm_text.h"
 #include "domain.h"
 #include "fix_dcm_cell.h"
@@ -52,38 +51,39 @@ void CreateCells::command(int narg, char **arg)
     if (narg < 7) utils::missing_cmd_args(FLERR, "create_cells single", error);
     add_request({arg + 1, arg + 7}, "single");
     iarg = 7;
+  } else if (source == "meshes") {
+    if (narg < 6) utils::missing_cmd_args(FLERR, "create_cells meshes", error);
+    iarg = 5;
   } else {
-    error->all(FLERR, "Create_cells: unknown source {}; use single or table", source);
+    error->all(FLERR, "Create_cells: unknown source {}; use single, table or meshes", source);
   }
 
-  mesh = dcm::icosphere(3);
   DCMArgs args(lmp, "Create_cells", narg - iarg, arg + iarg,
-               {"dcm", "cbm", "mesh", "rest", "rotate", "scale"});
+               {"dcm", "cbm", "mesh", "overlap", "rest", "rotate", "scale"});
   args.may_repeat({"dcm", "cbm"});
-  parse_keywords(args);
+  if (source == "meshes") {
+    Request request;
+    request.name = arg[1];
+    request.deformable = true;
+    request.where = "meshes";
+    request.x = point({arg + 2, arg + 5}, request.where);
+    if (args.keyword_ahead())
+      error->all(FLERR, "Create_cells: meshes: name mesh files, or folders of them, after x y z");
+    while (!args.keyword_ahead()) add_files(args.take(), request);
+  }
+  shapes.push_back({"", 0, dcm::icosphere(3), {}});
+  parse_keywords(args, source == "meshes");
   DCMCellBuilder builder(lmp, "Create_cells", true);
-  top = builder.prepare(mesh, equal_volume);
-  if (from_file) {
-    const auto faces = dcm::self_crossing(mesh);
-    if (faces[0] >= 0)
-      error->all(FLERR,
-                 "Create_cells: bad mesh: the surface runs through itself at faces {} and {}; "
-                 "repair it, or reconstruct the surface",
-                 faces[0] + 1, faces[1] + 1);
-  }
+  find_shapes(builder);
 
-  bool deformable = false;
-  for (const auto &request : requests) {
-    const auto type = types.find({request.name, request.deformable});
-    if (type == types.end())
-      error->all(FLERR, "Create_cells: no atom types for {} cells of type {}; add '{} {} {}'",
-                 request.deformable ? "deformable" : "center-based", request.name,
-                 request.deformable ? "dcm" : "cbm", request.name,
-                 request.deformable ? "Tcenter Tnode Tface Tbond Tdihedral" : "Tsphere");
-    deformable = deformable || request.deformable;
-    check_place(request);
+  int slots = 0;
+  for (size_t n = 0; n < requests.size(); n++) {
+    find_types(requests[n]);
+    check_place(n);
+    if (requests[n].deformable) slots = std::max(slots, shapes[requests[n].shape].top.slots);
   }
-  if (deformable) builder.reserve_slots(top.slots);
+  check_overlaps();
+  if (slots) builder.reserve_slots(slots);
 
   // tags and molecules follow those that exist
 
@@ -96,7 +96,8 @@ void CreateCells::command(int narg, char **arg)
   MPI_Allreduce(MPI_IN_PLACE, last, 2, MPI_LMP_TAGINT, MPI_MAX, world);
 
   tagint ids = 0;
-  for (const auto &request : requests) ids += request.deformable ? top.size() : 1;
+  for (const auto &request : requests)
+    ids += request.deformable ? shapes[request.shape].top.size() : 1;
   if (last[0] > MAXTAGINT - ids)
     error->all(FLERR,
                "Create_cells: no atom IDs are left for {} new atoms: they count on from the "
@@ -112,12 +113,20 @@ void CreateCells::command(int narg, char **arg)
                "highest, {}; give the cells lower ones with 'set group ... mol'",
                requests.size(), last[1]);
   tagint tag = last[0] + 1, molecule = last[1] + 1;
+  bigint nhinges = 0;
+  size_t least = 0, most = 0;    // nodes of a cell
   for (const auto &request : requests) {
-    const auto &type = types[{request.name, request.deformable}];
+    const auto type = find_types(request);
+    tagint used = 1;
     if (request.deformable) {
-      DCMCellBuilder::Deformable cell = shape(request, molecule);
+      const auto &top = shapes[request.shape].top;
+      DCMCellBuilder::Deformable cell = make(request, molecule);
       cell.tag = tag;
       builder.create(type, top, cell);
+      used = top.size();
+      nhinges += (bigint) top.hinges.size();
+      most = std::max(most, top.mesh.nodes.size());
+      least = least ? std::min(least, top.mesh.nodes.size()) : most;
     } else {
       DCMCellBuilder::Sphere cell;
       cell.molecule = molecule;
@@ -126,7 +135,6 @@ void CreateCells::command(int narg, char **arg)
       cell.radius = request.radius;
       builder.create(type, cell);
     }
-    const tagint used = request.deformable ? top.size() : 1;
     tag += used;
     natoms += used;
     ncreated[request.deformable]++;
@@ -142,8 +150,8 @@ void CreateCells::command(int narg, char **arg)
                natoms - nall, natoms);
   atom->data_fix_compute_variable(nlocal_previous, atom->nlocal);
   atom->natoms += natoms;
-  atom->nbonds += ncreated[1] * (bigint) top.hinges.size();
-  atom->ndihedrals += ncreated[1] * (bigint) top.hinges.size();
+  atom->nbonds += nhinges;
+  atom->ndihedrals += nhinges;
   atom->tag_check();
   if (atom->map_style != Atom::MAP_NONE) {
     atom->nghost = 0;
@@ -152,7 +160,9 @@ void CreateCells::command(int narg, char **arg)
   }
   if (comm->me == 0)
     utils::logmesg(lmp, "Created {} deformable cells{} and {} center-based cells\n", ncreated[1],
-                   ncreated[1] ? fmt::format(" of {} nodes", top.mesh.nodes.size()) : "",
+                   least < most  ? fmt::format(" of {} to {} nodes", least, most)
+                   : ncreated[1] ? fmt::format(" of {} nodes", most)
+                                 : "",
                    ncreated[0]);
 }
 
@@ -179,10 +189,13 @@ void CreateCells::add_request(const std::vector<std::string> &words, const std::
   Request request;
   request.name = words[0];
   request.deformable = (words[1] == "dcm");
-  for (int k = 0; k < 3; k++) request.x[k] = number(where, words[2 + k]);
+  request.where = where;
+  request.x = point({words.begin() + 2, words.begin() + 5}, where);
+  if (request.deformable && dcm::is_mesh_file(words[5])) {
+    add_files(words[5], request);
+    return;
+  }
   request.radius = number(where, words[5]);
-  if (request.radius <= 0.0)
-    error->all(FLERR, "Create_cells: {}: radius is {}, must be positive", where, request.radius);
   requests.push_back(request);
 }
 
@@ -190,8 +203,9 @@ void CreateCells::add_request(const std::vector<std::string> &words, const std::
    the types of each cell type's atoms, and the shape of deformable cells
 ------------------------------------------------------------------------- */
 
-void CreateCells::parse_keywords(DCMArgs &args)
+void CreateCells::parse_keywords(DCMArgs &args, bool meshes)
 {
+  std::string moves;    // a keyword that cells at their own place cannot have
   while (args.next()) {
     if (args.is("dcm")) {
       args.need(6);
@@ -217,22 +231,45 @@ void CreateCells::parse_keywords(DCMArgs &args)
       args.need(2);
       const bool file = args.choose({"icosphere", "file"}, "icosphere LEVEL or file PATH") == 1;
       try {
-        from_file = file;
-        mesh = file ? dcm::read_mesh(args.text()) : dcm::icosphere((int) args.whole(-MAXSMALLINT));
+        shapes[0].file = file ? args.text() : "";
+        if (!file) shapes[0].mesh = dcm::icosphere((int) args.whole(-MAXSMALLINT));
       } catch (LAMMPSException &) {
         throw;
       } catch (std::exception &e) {
         error->all(FLERR, "Create_cells: {}", e.what());
       }
+      if (meshes) moves = "mesh";
     } else if (args.is("rest")) {
       rest = args.number();
       args.check(rest > 0.0 && rest <= 2.0, "above 0 and at most 2");
     } else if (args.is("rotate")) {
       rotate_seed = (int) args.whole();
+      if (meshes) moves = "rotate";
+    } else if (args.is("overlap")) {
+      overlap = args.number(DCMArgs::POSITIVE);
     } else {
-      equal_volume = args.choose({"volume", "nodes"}) == 0;
+      const int scale = args.choose({"volume", "nodes", "none"});
+      keep = scale == 2;
+      equal_volume = scale != 1;
+      if (meshes && !keep) moves = "scale";
     }
   }
+  if (!moves.empty())
+    error->all(FLERR,
+               "Create_cells: the cells of meshes have the size and place of their files; remove "
+               "keyword {}",
+               moves);
+  if (keep && !meshes && shapes[0].file.empty())
+    error->all(FLERR,
+               "Create_cells: scale none takes size and place from a mesh file, an icosphere has "
+               "none; add 'mesh file PATH' or use scale volume");
+  if (keep && rotate_seed)
+    error->all(FLERR,
+               "Create_cells: scale none leaves cells as the file has them; remove keyword rotate");
+  for (const auto &request : requests)
+    if (!own_place(request) && request.radius <= 0.0)
+      error->all(FLERR, "Create_cells: {}: radius is {}, must be positive", request.where,
+                 request.radius);
 }
 
 double CreateCells::number(const std::string &where, const std::string &text) const
@@ -244,37 +281,41 @@ double CreateCells::number(const std::string &where, const std::string &text) co
   return value;
 }
 
-// LAMMPS puts an atom back into a periodic box by one box length after the other
-
-void CreateCells::check_place(const Request &request) const
+Vec3 CreateCells::point(const std::vector<std::string> &words, const std::string &where) const
 {
-  dcm_check_point(lmp, "Create_cells", "cell at", request.x.data());
-  if (!request.deformable) return;
-  for (int k = 0; k < 3; k++)
-    if (domain->periodicity[k] && request.radius > domain->prd[k])
-      error->all(FLERR,
-                 "Create_cells: a cell of radius {} does not fit into the periodic box, which is "
-                 "{:.4g} long in {}; it must be at least two cells wide",
-                 request.radius, domain->prd[k], "xyz"[k]);
+  return {number(where, words[0]), number(where, words[1]), number(where, words[2])};
+}
+
+DCMCellBuilder::Types CreateCells::find_types(const Request &request) const
+{
+  const auto type = types.find({request.name, request.deformable});
+  if (type == types.end())
+    error->all(FLERR, "Create_cells: no atom types for {} cells of type {}; add '{} {} {}'",
+               request.deformable ? "deformable" : "center-based", request.name,
+               request.deformable ? "dcm" : "cbm", request.name,
+               request.deformable ? "Tcenter Tnode Tface Tbond Tdihedral" : "Tsphere");
+  return type->second;
 }
 
 /* ----------------------------------------------------------------------
-   the round cell of a request, at rest but for the prestress of its cortex
+   the cell of a request, at rest but for the prestress of its cortex
 ------------------------------------------------------------------------- */
 
-DCMCellBuilder::Deformable CreateCells::shape(const Request &request, tagint molecule) const
+DCMCellBuilder::Deformable CreateCells::make(const Request &request, tagint molecule) const
 {
+  const auto &top = shapes[request.shape].top;
+  const double size = own_place(request) ? top.scale : request.radius;
+  const Vec3 mid = middle(request);
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  if (rotate_seed) {
+  if (rotate_seed && !own_place(request)) {
     dcm::Random random(rotate_seed, molecule, 0);
     const Vec3 v = random.gaussian_vector();
     rotation = Eigen::Quaterniond(random.gaussian(), v[0], v[1], v[2]).normalized();
   }
   DCMCellBuilder::Deformable cell;
   cell.molecule = molecule;
-  cell.volume0 = std::pow(request.radius, 3) * dcm::volume(top.mesh);
-  for (const auto &node : top.mesh.nodes)
-    cell.x.push_back(request.x + request.radius * (rotation * node));
+  cell.volume0 = std::pow(size, 3) * dcm::volume(top.mesh);
+  for (const auto &node : top.mesh.nodes) cell.x.push_back(mid + size * (rotation * node));
   DCMCellBuilder::set_round_rest(top, rest, cell);
   return cell;
 }

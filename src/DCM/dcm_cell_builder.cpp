@@ -55,6 +55,8 @@ DCMCellBuilder::Topology DCMCellBuilder::prepare(dcm::Mesh mesh, bool equal_volu
   Topology top;
   top.mesh = std::move(mesh);
   top.equal_volume = equal_volume;
+  top.mid = mid;
+  top.scale = size;
   top.hinges = dcm::hinges(top.mesh);
   std::vector<int> stored(top.mesh.nodes.size(), 0);
   for (const auto &hinge : top.hinges) {

@@ -46,6 +46,8 @@ class DCMCellBuilder : protected Pointers {
     std::vector<int> owner;                    // per hinge: 1 or 2, the end that stores it
     int slots = 0;                             // most edges stored at one node
     bool equal_volume = true;
+    dcm::Vec3 mid = dcm::Vec3::Zero();    // mean position and size of the mesh as it was given
+    double scale = 1.0;
 
     // tags a cell takes: center, nodes, faces in mesh order
     tagint size() const { return 1 + (tagint) (mesh.nodes.size() + mesh.faces.size()); }

@@ -172,7 +172,7 @@ class PairDCMContact : public Pair, public DCMRole {
 
   struct Settings {
     int law = FOUNDATION, history = 0, points = 2, concave = 0, h0_auto = 1;
-    double h0 = 0.35, rmax = 10.0;
+    double h0 = dcm::H0_LEAST, rmax = 10.0;
     double range = 0.0, maxoverlap = 0.0;    // 0: choose
     double growth = 0.0;                     // of radii, 0: choose
     dcm::Facing facing;

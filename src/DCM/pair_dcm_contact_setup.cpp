@@ -41,9 +41,9 @@ static const std::vector<std::string> PARAMETERS = {
     "friction_tangential", "a1",         "a2",    "a3", "a4"};
 static constexpr int NREGION = AtomVecDCM::NREGION;
 
-// in mean edge lengths: `h0 auto`, the limit of a resolved h0 (see the doc page)
+// in mean edge lengths: the limit of a resolved h0 (see the doc page)
 
-static constexpr double H0_AUTO = 0.22, H0_RESOLVED = 0.2;
+static constexpr double H0_RESOLVED = 0.2;
 
 // range follows the cell of the longest edges where these are this many times the mean of all
 
@@ -325,7 +325,8 @@ void PairDCMContact::choose_lengths()
   }
   if (h0_used == 0.0) {
     h0_used = set.h0;
-    if (set.h0_auto && H0_AUTO * mean_edge > set.h0) h0_used = round_up(H0_AUTO * mean_edge);
+    if (set.h0_auto && dcm::H0_AUTO * mean_edge > set.h0)
+      h0_used = round_up(dcm::H0_AUTO * mean_edge);
     if (set.h0_auto) chosen += fmt::format(", h0 {:.6g}", h0_used);
   }
   if (range_used == 0.0) {

@@ -70,8 +70,8 @@ def test_surface_through_itself(lmp, scenes):
     scene = scenes.Scene()
     scene.dcm(0.0, 0.0, 0.0, 6.0, mesh=("bad.off", 7, 10))
     nodes, faces = through_itself()
-    fails(lmp, whole(scene), "Create_cells: bad mesh: the surface runs through itself at faces",
-          files={"bad.off": off(nodes, faces)})  # fmt: skip
+    fails(lmp, whole(scene), "Create_cells: bad mesh bad.off: the surface runs through itself",
+          "at faces", files={"bad.off": off(nodes, faces)})  # fmt: skip
 
 
 def as_written():
@@ -143,7 +143,7 @@ CREATE = {
     "rest text": (CELL + " rest x", "rest is 'x', expected a number"),
     "rotate text": (CELL + " rotate x", "x"),
     "rotate zero": (CELL + " rotate 0", "rotate.*positive"),
-    "scale text": (CELL + " scale x", "scale must be volume or nodes, not x"),
+    "scale text": (CELL + " scale x", "scale must be volume, nodes or none, not x"),
     "atom type text": (CELL.replace("hep 1 2 3", "hep one 2 3"), "dcm is 'one', expected a number"),
     "atom type too large": (CELL.replace("hep 1 2 3", "hep 1 2 9"), "dcm is 9.*type of 1 to 4",
                             "create_box"),

@@ -415,6 +415,54 @@ def test_chemotaxis_deformable(experiment):
     assert way == pytest.approx(expected, rel=0.01)
 
 
+# --- import ---------------------------------------------------------------------------------------
+
+
+def script(name):
+    spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_import_area_of_a_tilted_border():
+    """Voxels of two labels with a flat border across a ball have its area, however it is tilted."""
+    tissue, n, voxel = script("tissue"), 40, 0.25
+    place = (np.indices((2 * n, 2 * n, 2 * n)) - n + 0.5) * voxel
+    for normal in ((1, 0, 0), (1, 1, 1), (3, -1, 2)):
+        side = np.tensordot(normal, place, axes=1) + 0.03 > 0
+        labels = np.where((place**2).sum(axis=0) < 81.0, 1 + side, 0)
+        areas = tissue.neighbors(labels, voxel)
+        assert list(areas) == [(1, 2)]
+        assert areas[1, 2] == pytest.approx(81 * math.pi, rel=0.02)
+
+
+def test_import(experiment):
+    """The shipped meshes have the volumes of the voxels and touch as the tissue does; an hour
+    leaves the network and, but for what their pressure takes, the volumes."""
+    tissue = script("tissue")
+    result = experiment("import", cells=FOLDER / "tissue")
+    seen, exact = tissue.image(0.5)[0], tissue.image(0.25)[0]
+    expected = {pair for pair, area in tissue.neighbors(exact, 0.25).items() if area > 1}
+    assert len(expected) > 40
+    volumes, scores = [], []
+    for name in ("start", "end"):
+        cells = (result.path / f"import.{name}.cells").read_text().splitlines()[9:]
+        volumes.append(np.array([float(line.split()[1]) for line in cells]))
+        found = tissue.contacts(result.path / f"import.{name}.contacts")
+        some = {pair for pair, area in found.items() if area > 1}
+        right = len(some & expected)
+        scores.append(2 * right / (len(some) + len(expected)))
+        assert tissue.agreement(some, expected)[3] == scores[-1]
+    assert volumes[0] == pytest.approx(tissue.volumes(seen, 0.5), rel=1e-4)
+    assert scores[0] > 0.98 and scores[1] > 0.95
+    lost = 1 - volumes[1] / volumes[0]
+    assert lost.mean() == pytest.approx(result.thermo[-1]["pressure"] / K_V, rel=0.05)
+    drift, way = numbers(result, "after")[0]
+    assert drift == pytest.approx(100 * np.sqrt((lost**2).mean()), abs=0.006)
+    assert 0 < way < 1
+
+
 # --- calibrate ------------------------------------------------------------------------------------
 
 
@@ -428,13 +476,6 @@ def packing_pressure(d, R, W, modulus):
     return 2 * math.sqrt(2) * np.interp(2 * R - d, delta[c0:], force[c0:]) / d**2
 
 
-def calibrate_script():
-    spec = importlib.util.spec_from_file_location("calibrate", FOLDER / "calibrate.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def test_calibrate_spheres(experiment):
     """The deck's spheres of 2 kPa have the pressure of JKR; a fit to a known modulus finds it."""
     rows = numbers(experiment("calibrate", kind="cbm", steps=4, hold=60), "distance")
@@ -446,7 +487,7 @@ def test_calibrate_spheres(experiment):
     s = 1 - d / 12
     modulus = 3 + 40 * s + 900 * s**3
     pressure = np.array([packing_pressure(*pair) for pair in zip(d, [6.0] * 8, [0.1] * 8, modulus)])
-    a, rms = calibrate_script().fit(d, pressure, 6.0, 0.4, 0.1, 3.0)
+    a, rms = script("calibrate").fit(d, pressure, 6.0, 0.4, 0.1, 3.0)
     assert rms < 1e-4
     assert 3 + sum(a[k] * s ** (k + 1) for k in range(4)) == pytest.approx(modulus, rel=0.01)
 

@@ -194,7 +194,7 @@ def test_the_tissue_of_the_manual(lmp, tmp_path):
     text = (cwd / "cells" / "in.cells").read_text()
     (cwd / "cells" / "in.cells").write_text(text.replace(str(cwd / "cells"), "cells"))
     result = lmp(folder / "in.tissue", cwd=cwd, np=2, vars={"steps": 20})
-    assert f"Created 1 deformable cells of {len(cells[0].nodes)} nodes" in result.log
+    assert f"Created {len(cells)} deformable cells of " in result.log
     data = read_data(cwd / "tissue.data")
     centers = data.atoms["kind"] == 2
     expected = [(image == c.label).sum() * 0.125 for c in cells]

@@ -270,6 +270,14 @@ def test_files_that_are_named(needs):
     assert found == {"a.lmp", "cells.txt", "meshes/m.txt", "d.data", "e.lmp", "f.dcm"}
 
 
+def test_folder_of_meshes(needs):
+    text = """variable cells index a b
+        create_cells meshes hep 0 0 0 ${cells} single.off"""
+    names = ["a/1.off", "a/2.obj", "a/no.txt", "a/deep/1.off", "b/1.off", "c/1.off", "single.off"]
+    assert needs(text, *names) == {"a/1.off", "a/2.obj", "b/1.off", "single.off"}
+    assert "c/1.off" in needs(text, *names, variables=[("cells", "c")])
+
+
 def test_files_named_by_variables(needs):
     text = '''variable size index quick
         if "$(v_n) > 1" then "variable kind index round flat"
@@ -297,14 +305,17 @@ def test_every_shipped_deck_has_its_files(run_deck):
         for deck in folder.glob("in.*"):
             for size in ("quick", "full"):
                 needed |= {str(f) for f in run_deck.needed_files(deck, [("size", size)])}
-        others = {p.name for p in folder.iterdir() if not p.name.startswith(("in.", "log."))
-                  and p.suffix != ".py" and not p.name.endswith("_study.csv")}
+        others = {str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file()
+                  and not p.name.startswith(("in.", "log.")) and p.suffix not in (".py", ".pyc")
+                  and not p.name.endswith("_study.csv")}
         assert others <= needed
 
 
 def test_size_of_a_scene(run_deck):
     lines = ["Created 14 deformable cells of 162 nodes and 66 center-based cells\n",
+             "Created 2 deformable cells of 150 to 170 nodes and 1 center-based cells\n",
              "Created 0 deformable cells and 3 center-based cells\n", "  100 atoms\n",
              "Created 50 atoms\n", "320 atoms in group faces\n"]
     # 162 nodes have 320 faces: Euler
-    assert run_deck.atoms_so_far(lines) == 14 * (162 + 320 + 1) + 66 + 3 + 100 + 50
+    at_most = 2 * (170 + 336 + 1) + 1
+    assert run_deck.atoms_so_far(lines) == 14 * (162 + 320 + 1) + 66 + at_most + 3 + 100 + 50

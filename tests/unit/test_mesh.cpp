@@ -5,6 +5,7 @@
 #include "law/hinge.h"
 #include "law/mesh.h"
 #include "law/mesh_io.h"
+#include "law/mesh_overlap.h"
 #include "law/self_crossing.h"
 #include "helpers.h"
 
@@ -202,6 +203,42 @@ TEST(Mesh, Pierces)
   EXPECT_FALSE(pierces({0.9, 0.9, -1}, {0.9, 0.9, 1}, a, b, c));    // beside it
   EXPECT_FALSE(pierces({0.2, 0.2, 0}, {0.3, 0.3, 1}, a, b, c));     // from its plane
   EXPECT_FALSE(pierces({-1, 0.2, 0}, {1, 0.2, 0}, a, b, c));        // in its plane
+}
+
+TEST(Mesh, Overlap)
+{
+  // a cube of side 1: the corner of another reaches into it by 0.3, its nearest side is as far away
+  const Envelope box(cube());
+  auto found = mesh_overlap(box, cube(), {0.7, 0.6, 0.5});
+  EXPECT_NEAR(found.depth, 0.3, 1.0e-12);
+  EXPECT_EQ(found.node, 0);
+  found = mesh_overlap(box, cube(), {-0.6, -0.75, -0.7});
+  EXPECT_NEAR(found.depth, 0.25, 1.0e-12);
+  EXPECT_EQ(found.node, 7);
+  for (const Vec3 &apart : {Vec3(1.0, 0.0, 0.0), Vec3(0.0, -1.2, 0.3), Vec3(0.9, 0.9, 1.1)}) {
+    EXPECT_EQ(mesh_overlap(box, cube(), apart).depth, 0.0);
+    EXPECT_EQ(mesh_overlap(box, cube(), apart).node, -1);
+  }
+
+  // balls at distance d: the deepest point of one is (2 - d) inside the other
+  const Mesh ball = icosphere(4);
+  const Envelope inside(ball);
+  for (const double d : {1.9, 1.5, 1.2})
+    EXPECT_NEAR(mesh_overlap(inside, ball, d * ball.nodes[7]).depth, 2.0 - d, 5.0e-3);
+
+  // one in the other, and one that coincides with it, of which no node is inside
+  Mesh small = ball;
+  for (Vec3 &x : small.nodes) x *= 0.25;
+  EXPECT_GT(mesh_overlap(inside, small, Vec3::Zero()).depth, 0.74);
+  EXPECT_GT(mesh_overlap(inside, ball, Vec3::Zero()).depth, 0.99);
+
+  // the middle of a face that lies flat inside while all its nodes are outside
+  Mesh plate;
+  plate.nodes = {{-2, -2, 0.4}, {4, -1.9, 0.4}, {-1.9, 4, 0.4}, {0.5, 0.5, 3}};
+  plate.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  found = mesh_overlap(box, plate, Vec3::Zero());
+  EXPECT_EQ(found.node, -1);
+  EXPECT_NEAR(found.depth, 1.0 / 30.0, 1.0e-12);
 }
 
 TEST(Mesh, EdgesAndHinges)

@@ -12,7 +12,7 @@ import numpy as np
 from tqdm import tqdm
 
 from .mesh_check import edge_groups, enclosed_volume, find_doubts, find_faults, measure_surface
-from .mesh_convert import create_command, words
+from .mesh_convert import words
 from .mesh_file import write_surface
 from .remesh import at_volume, remeshed, smoothed
 from .text import write_text
@@ -183,18 +183,18 @@ def bond_slots(faces):
 def write_cells(cells, folder, command="", type="hepatoblast", atom_types="1 2 3 1 1",
                 options="rest 0.95", margin=2.0):
     """Write cell_LABEL.off for each LabelCell, and in.cells, the deck lines that create them at
-    their own place and size, one create_cells a cell. margin: free room in the box that a comment
-    proposes, um. Returns the lines."""
+    their own place and size, in the order of their labels. margin: free room in the box that a
+    comment proposes, um. Returns the lines."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     digits = max(len(str(cell.label)) for cell in cells)
-    rows, slots = [], 0
+    rows, slots = [f"create_cells    meshes {type} 0 0 0 &"], 0
     for cell in cells:
         name = f"cell_{cell.label:0{digits}d}.off"
         write_surface(folder / name, cell.nodes, cell.faces)
         slots = max(slots, bond_slots(cell.faces))
-        rows.append(create_command("${meshes}/" + name, measure_surface(cell.nodes, cell.faces),
-                                   type, atom_types, options))
+        rows.append(f"                ${{meshes}}/{name} &")
+    rows.append(f"                dcm {type} {atom_types} {options}".rstrip())
     low = np.min([cell.nodes.min(axis=0) for cell in cells], axis=0) - margin
     high = np.max([cell.nodes.max(axis=0) for cell in cells], axis=0) + margin
     box = " ".join(f"{a:.6g} {b:.6g}" for a, b in zip(low, high))

@@ -25,6 +25,7 @@ ATOMS_FOR_TWO = 5000
 GROWS = re.compile(r"\bdcm/(division|convert)\b")    # small at the start, not at the end
 LONGEST = 20.0    # s: a scene that takes longer to build is large
 MOST_TEXT = 2**20    # bytes of a file that is searched for names of others
+MESHES = (".off", ".obj")    # name no others
 
 OUTPUT = ("dump", "dump_modify", "write_data", "write_dump", "write_restart", "restart", "log",
           "undump", "thermo_style")
@@ -84,7 +85,7 @@ def needed_files(deck, variables=()):
     texts, values = [], {}
     for file in wanted:    # grows
         path = folder / file
-        if path.stat().st_size > MOST_TEXT:
+        if path.stat().st_size > MOST_TEXT or path.suffix in MESHES:
             continue
         text = path.read_text(errors="replace")
         texts.append(text)
@@ -96,8 +97,10 @@ def needed_files(deck, variables=()):
             for pattern in patterns(word, values):
                 for found in glob.glob(pattern, root_dir=folder):
                     here = Path(os.path.normpath(found))
-                    if here not in wanted and (folder / here).is_file():
-                        wanted.append(here)
+                    inside = sorted((folder / here).glob("*"))    # create_cells meshes FOLDER
+                    for path in [folder / here, *(p for p in inside if p.suffix in MESHES)]:
+                        if path.is_file() and path.relative_to(folder) not in wanted:
+                            wanted.append(path.relative_to(folder))
     return [w for w in wanted if not w.name.startswith("log.") and w.suffix != ".png"]
 
 
@@ -123,7 +126,8 @@ def unknown_variables(deck, names):
 
 # ---------------------------------------------------------------------- how large is it?
 
-CREATED = re.compile(r"^Created (\d+) deformable cells(?: of (\d+) nodes)? and (\d+) center-based")
+CREATED = re.compile(r"^Created (\d+) deformable cells(?: of (?:\d+ to )?(\d+) nodes)? and (\d+) "
+                     "center-based")
 ATOMS = re.compile(r"^(?:Created | +)(\d+) atoms")
 AT_WORK = re.compile(r"^(ERROR|Neighbor list info|Setting up|Per MPI rank| *Step |Loop time)")
 

@@ -40,6 +40,7 @@ SHORT = {
     "division": {"level": 2, "steps": 200, "image": "no"},
     "doublet": {"level": 1, "settle": 150, "press": 0.5, "rate": 0.05, "image": "no"},
     "fill": {"level": 1, "n": 3, "duration": 400, "scale": 0.85, "image": "no"},
+    "import": {"time": 5, "image": "no"},
     "indent": {"level": 2, "settle": 10, "steps": 1, "image": "no"},
     "lumen": {"shut": 100, "start": 50, "hold": 100, "more": 50, "movie": "no"},
     "migration": {"duration": 150, "persistence": 40, "image": "no"},
@@ -96,7 +97,9 @@ def prepare(deck, folder):
     """Copy a deck, with the files beside it and the parameter files, to `folder`, ready to run."""
     folder.mkdir(parents=True)
     for item in [deck, *deck.parent.iterdir(), *(ROOT / "potentials").glob("*.dcm")]:
-        if item == deck or item.is_file() and not item.name.startswith(("log.", "in.")):
+        if item.is_dir() and item.name != "__pycache__":    # meshes
+            shutil.copytree(item, folder / item.name)
+        elif item == deck or item.is_file() and not item.name.startswith(("log.", "in.")):
             shutil.copy(item, folder)
             if item.suffix not in UNREAD and "thermo_style" in item.read_text():
                 (folder / item.name).write_text(with_all_digits(item.read_text()))

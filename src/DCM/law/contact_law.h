@@ -45,6 +45,10 @@
 
 namespace dcm {
 
+/// Range of adhesion where the deck gives none: the larger of this length, um, and this part of
+/// the mean edge.
+constexpr double H0_LEAST = 0.35, H0_AUTO = 0.22;
+
 /// Parameters of the contact of two surfaces.
 struct ContactMaterial {
   double E = 0.0;     ///< effective modulus: 1/E = (1-nu_f^2)/E_f + (1-nu_g^2)/E_g (stress)

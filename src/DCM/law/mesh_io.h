@@ -209,16 +209,31 @@ namespace mesh_detail {
 
 }    // namespace mesh_detail
 
+namespace mesh_detail {
+  inline std::string lower_ending(const std::string &path)
+  {
+    const size_t dot = path.rfind('.');
+    std::string ending = dot == std::string::npos ? "" : path.substr(dot + 1);
+    for (char &c : ending) c = char(std::tolower((unsigned char) c));
+    return ending;
+  }
+}    // namespace mesh_detail
+
+/// Is this the name of a file that read_mesh() reads: .off or .obj, any case?
+inline bool is_mesh_file(const std::string &path)
+{
+  const std::string ending = mesh_detail::lower_ending(path);
+  return ending == "off" || ending == "obj";
+}
+
 /// Read a surface from an OFF or OBJ text file, told apart by the ending of the name (.off or
 /// .obj, any case). Coordinates are taken as they stand. Throws std::runtime_error naming file,
 /// line and remedy; a file cut short is detected. Whether the surface can be a cell is for
 /// check_mesh().
 inline Mesh read_mesh(const std::string &path)
 {
-  const size_t dot = path.rfind('.');
-  std::string ending = dot == std::string::npos ? "" : path.substr(dot + 1);
-  for (char &c : ending) c = char(std::tolower((unsigned char) c));
-  if (ending != "off" && ending != "obj")
+  const std::string ending = mesh_detail::lower_ending(path);
+  if (!is_mesh_file(path))
     throw std::runtime_error("mesh file " + path +
                              " is of unknown kind: its name must end in .off or .obj");
   mesh_detail::LineReader in(path);
