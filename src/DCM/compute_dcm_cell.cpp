@@ -282,8 +282,8 @@ void ComputeDCMCell::compute_vector()
 double ComputeDCMCell::memory_usage()
 {
   double bytes = (double) nmax * columns.size() * sizeof(double);
-  bytes += (double) (cell_sums.capacity() + shapes.capacity() + stresses.capacity()) *
-           sizeof(double);
+  bytes +=
+      (double) (cell_sums.capacity() + shapes.capacity() + stresses.capacity()) * sizeof(double);
   bytes += (double) in_contact.capacity() * 2 * sizeof(tagint);
   return bytes;
 }

@@ -45,7 +45,7 @@ class ComputeDCMCell : public Compute {
 
  private:
   enum Need { NOTHING = 0, VELOCITY = 1, AREA = 2, NEIGHBORS = 4, SHAPE = 8, STRESS = 16 };
-  static constexpr int NSUM = 5;    // per deformable cell: contact area, free area, velocity
+  static constexpr int NSUM = 5;       // per deformable cell: contact area, free area, velocity
   static constexpr int NSHAPE = 15;    // half-axes, long axis, three measures, strain
 
   struct Value {    // what this compute knows of a cell besides the columns of the table

@@ -80,7 +80,8 @@ class DCMRole {
   virtual const double *covered_area() const { return nullptr; }
 
   // add the virial of the forces that a style makes within deformable cells, the sum over their
-  // nodes of force times position (nN um), six numbers per row of the table (law/symmetric.h): of what this process owns. As the last forces were
+  // nodes of force times position (nN um), six numbers per row of the table (law/symmetric.h): of
+  // what this process owns. As the last forces were
 
   virtual void add_cell_virial(std::vector<double> &) {}
 

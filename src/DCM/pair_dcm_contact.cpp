@@ -104,8 +104,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   count.list_seconds = platform::walltime() - start;
 
   find_wanted();
-  want_overlap =
-      (eflag_global || anew || update->ntimestep == update->laststep) && fix_cell;
+  want_overlap = (eflag_global || anew || update->ntimestep == update->laststep) && fix_cell;
   const int nall = atom->nlocal + atom->nghost;
   area.assign(nall, 0.0);
   if (want_stress) stress.assign(nall, 0.0);

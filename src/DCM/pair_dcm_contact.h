@@ -99,8 +99,8 @@ class PairDCMContact : public Pair, public DCMRole {
 
   // ask in init(), every run, and keep the handle: normal contact force per face or sphere
   // (compression positive), virial of spheres, the same as a tensor, friction blocks, stiffness,
-  // contact per pair of cells in the steps that are multiples of `every`, or in those in which a compute with timeflag
-  // is going to be read, and the first and last step of a run
+  // contact per pair of cells in the steps that are multiples of `every`, or in those in which a
+  // compute with timeflag is going to be read, and the first and last step of a run
   DCMRequest<> request_stress() { return stress_requests.add(); }
   DCMRequest<> request_virial() { return virial_requests.add(); }
   DCMRequest<> request_tensor() { return tensor_requests.add(); }
@@ -194,9 +194,9 @@ class PairDCMContact : public Pair, public DCMRole {
   bool own_collections = false;    // of neighbor style multi
   bool own_bins = false;
   bool warned_h0 = false, warned_filled = false, warned_overlap = false;
-  double filled = 0.0, overlap = 0.0;                // measure_overlap()
-  struct Deepest {                                   // overlap of the run, by its share
-    double share = 0.0, depth = 0.0;                 // depth, cells: where rank is this process
+  double filled = 0.0, overlap = 0.0;    // measure_overlap()
+  struct Deepest {                       // overlap of the run, by its share
+    double share = 0.0, depth = 0.0;     // depth, cells: where rank is this process
     tagint cells[2] = {0, 0};
     bigint step = 0;
     int rank = 0;

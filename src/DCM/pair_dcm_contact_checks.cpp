@@ -442,8 +442,8 @@ double PairDCMContact::bearable(double edge, double radius) const
 const char *PairDCMContact::remedy_for_overlap() const
 {
   return set.law == FOUNDATION
-      ? "a thinner layer (pair_coeff keyword layer) or a larger E_contact keeps them apart"
-      : "'pair_style dcm/contact law foundation' keeps them apart";
+             ? "a thinner layer (pair_coeff keyword layer) or a larger E_contact keeps them apart"
+             : "'pair_style dcm/contact law foundation' keeps them apart";
 }
 
 /* ----------------------------------------------------------------------
@@ -457,11 +457,11 @@ std::vector<DCMRole::Note> PairDCMContact::report()
   Deepest most = deepest;
   MPI_Bcast(&most, sizeof(most), MPI_BYTE, most.rank, world);
   Note note;
-  note.text = fmt::format("largest overlap {:.3g}: cells {} and {} at step {}, {:.2g} of h0 {:.3g}, "
-                          "{:.2g} of what ends the run",
-                          most.depth, std::min(most.cells[0], most.cells[1]),
-                          std::max(most.cells[0], most.cells[1]), most.step, most.depth / h0_used,
-                          h0_used, most.share);
+  note.text = fmt::format(
+      "largest overlap {:.3g}: cells {} and {} at step {}, {:.2g} of h0 {:.3g}, "
+      "{:.2g} of what ends the run",
+      most.depth, std::min(most.cells[0], most.cells[1]), std::max(most.cells[0], most.cells[1]),
+      most.step, most.depth / h0_used, h0_used, most.share);
   if (most.share > DEEP) note.advice = remedy_for_overlap();
   return {note};
 }
@@ -499,8 +499,8 @@ void PairDCMContact::measure_overlap()
   if (!fix_cell) return;
 
   if (worst.share > deepest.share)
-    deepest = {worst.share, count.deepest, {count.deep[0], count.deep[1]}, update->ntimestep,
-               worst.rank};
+    deepest = {
+        worst.share, count.deepest, {count.deep[0], count.deep[1]}, update->ntimestep, worst.rank};
   const char *const remedy = remedy_for_overlap();
   if (filled > OVERFILLED && !warned_filled) {
     warned_filled = true;

@@ -524,7 +524,8 @@ double PairDCMContact::memory_usage()
   bytes += (double) (face_touch.capacity() + mixed_touch.capacity() + sphere_touch.capacity()) *
            sizeof(int *);
   bytes += (double) geometry.capacity() * sizeof(dcm::FaceGeometry);
-  bytes += (double) (area.capacity() + stress.capacity() + moment.capacity() + tensor.capacity() + modulus.capacity()) *
+  bytes += (double) (area.capacity() + stress.capacity() + moment.capacity() + tensor.capacity() +
+                     modulus.capacity()) *
            sizeof(double);
   bytes += (double) contacts.capacity() * sizeof(dcm::ContactBlock);
   bytes += (double) (spheres.capacity() + sphere_stiffness.capacity()) * sizeof(dcm::EdgeBlock);

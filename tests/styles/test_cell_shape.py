@@ -118,14 +118,20 @@ def test_a_sphere_has_the_closed_values(lmp, scenes):
 
 # --- stress ---------------------------------------------------------------------------------------
 
-INSIDE = "fix tension all dcm/tension NULL hepatoblast NULL NULL tension 0.2\n"
 
 
-def perturbed(scenes, np_box="p p p"):
+def inside(scene):
+    """One more force of the cell's own."""
+    return f"fix tension all dcm/tension {scene.map} tension 0.2\n"
+
+
+def perturbed(scenes):
     """A cell across a border, far from rest."""
-    scene = scenes.Scene(20.0, np_box)
+    scene = scenes.Scene(20.0, "p p p")
     tag = scene.dcm(19.0, 2.0, 3.0, 6.0)
-    head = scene.head() + "group nodes type 2\ndisplace_atoms nodes random 0.4 0.4 0.4 47 units box\n"
+    head = scene.head() + (
+        "group nodes type 2\ndisplace_atoms nodes random 0.4 0.4 0.4 47 units box\n"
+    )
     return scene, head, tag
 
 
@@ -134,43 +140,59 @@ def test_pressure_from_outside_whatever_is_within(lmp, scenes, np_):
     """-P in all directions, to the last digits: cortex, bending, tension, volume do not enter."""
     scene, head, tag = perturbed(scenes)
     deck = whole(
-        scene, head=head, motion=INSIDE + "fix load all dcm/traction pressure 0.3\n"
+        scene, head=head, motion=inside(scene) + "fix load all dcm/traction pressure 0.3\n"
     ) + compute() + scenes.thermo(columns(ALL, [tag])) + "run 0\n"  # fmt: skip
     got = measured(lmp(deck, np=np_), ALL)
     assert tensor(got, "s") == pytest.approx(-0.3 * np.eye(3), abs=1e-11)
 
 
-def test_background_pressure_at_rest(lmp, scenes):
-    """Of fix dcm/confine, at rest: the same as the pressure of the cell less what its cortex takes.
-    Friction has gone, so that its own forces tell the same, -tr s / 3."""
-    scene = scenes.single_cell()
-    tag = 1
-    deck = whole(scene, extra="fix out all dcm/confine pressure 0.2\n") + compute() + (
-        scenes.thermo(columns(ALL, [tag]), every=1000) + "timestep 0.5\nrun 2000\n"
+@pytest.mark.parametrize("np_", [1, 2])
+def test_two_cells_in_contact_have_the_virial_of_the_pair_style(lmp, scenes, np_):
+    """Sum of V s over both, and force times distance of their centers: all of what LAMMPS has."""
+    scene = scenes.doublet(gap=-0.6)
+    head = scene.head() + (
+        "group nodes type 2\ngroup first molecule 1\ngroup one intersect first nodes\n"
+        "displace_atoms nodes random 0.2 0.2 0.2 9 units box\n"
+        "compute push one reduce sum fx fy fz\n"
     )
-    got = measured(lmp(deck), ALL)
-    assert tensor(got, "s") == pytest.approx(-0.2 * np.eye(3), abs=1e-10)
+    values = ["volume", "x", "y", "z", *STRESS]
+    deck = whole(scene, head=head) + compute(values) + "compute pair all pressure NULL pair\n" + (
+        scenes.thermo([*columns(values, [1, 124]), *(f"f{k}=c_push[{k}]" for k in (1, 2, 3)),
+                       *(f"w{n}=c_pair[{k}]*vol" for k, n in enumerate(SIX, 1))])  # fmt: skip
+        + "run 0\n"
+    )
+    result = lmp(deck, np=np_)
+    got = [measured(result, values, n) for n in (0, 1)]
+    force = np.array([result.thermo[-1][f"v_f{k}"] for k in (1, 2, 3)])
+    apart = np.array([got[0][k] - got[1][k] for k in "xyz"])
+    outer = np.outer(force, apart)
+    total = sum(g["volume"] * tensor(g, "s") for g in got) + (outer + outer.T) / 2
+    virial = tensor({"w" + n: result.thermo[-1]["v_w" + n] for n in SIX}, "w")
+    assert np.linalg.norm(force) > 0.1
+    assert total == pytest.approx(virial, rel=1e-9, abs=1e-9 * np.abs(virial).max())
 
 
 def test_a_cell_between_two_plates(lmp, scenes):
     """Force F on the nodes at the top, -F at the bottom: s_zz = -F h / V, all else zero but what
     the places of these nodes make."""
-    scene, head, tag = perturbed(scenes, "p p p")
+    scene, head, tag = perturbed(scenes)
     head += (
         "region up block INF INF INF INF 6.5 INF units box\n"
         "region down block INF INF INF INF INF -0.5 units box\n"
-        "group up region up\ngroup up intersect up nodes\n"
-        "group down region down\ngroup down intersect down nodes\n"
+        "group top region up\ngroup up intersect top nodes\n"
+        "group bottom region down\ngroup down intersect bottom nodes\n"
         "variable nup equal count(up)\nvariable ndown equal count(down)\n"
         "variable above equal xcm(up,z)\nvariable below equal xcm(down,z)\n"
     )
     F = 0.9
     deck = whole(
         scene, head=head,
-        motion=INSIDE + f"variable push equal -{F}/v_nup\nvariable hold equal {F}/v_ndown\n"
+        motion=inside(scene) + f"variable push equal -{F}/v_nup\nvariable hold equal {F}/v_ndown\n"
         "fix up up addforce 0 0 v_push\nfix down down addforce 0 0 v_hold\n",
-    ) + compute() + scenes.thermo([*columns(ALL, [tag]), "h=v_above-v_below"]) + "run 0\n"  # fmt: skip
-    result = lmp(deck)
+    )  # fmt: skip
+    result = lmp(
+        deck + compute() + scenes.thermo([*columns(ALL, [tag]), "h=v_above-v_below"]) + "run 0\n"
+    )
     got, h = measured(result, ALL), result.thermo[-1]["v_h"]
     assert 4.0 < h < 12.0
     assert got["szz"] == pytest.approx(-F * h / got["volume"], rel=1e-9)
@@ -182,8 +204,8 @@ def test_nodes_that_are_held_have_what_holds_them(lmp, scenes, np_):
     """Left out of fix dcm/motion, or with fix setforce: the same."""
     scene, head, tag = perturbed(scenes)
     head += (
-        "region side block INF INF INF INF 5 INF units box\ngroup held region side\n"
-        "group held intersect held nodes\ngroup free subtract all held\n"
+        "region side block INF INF INF INF 5 INF units box\ngroup side region side\n"
+        "group held intersect side nodes\ngroup free subtract all held\n"
     )
     out = compute() + scenes.thermo(columns(ALL, [tag])) + "run 0\n"
     left_out = whole(scene, head=head, motion=scene.motion("free")) + out
@@ -246,24 +268,26 @@ def test_ranks_agree(lmp, scenes):
 @pytest.mark.parametrize("np_", [1, 2])
 def test_means_over_time_and_cells(lmp, scenes, np_):
     """fix ave/time of a reduction, fix ave/atom and compute reduce: of the same numbers."""
-    scene = scenes.doublet()
+    scene = scenes.doublet(gap=-0.6)
     deck = whole(scene) + (
-        "compute c all dcm/cell szz anisotropy\n"
+        "compute c all dcm/cell sxx anisotropy\n"
         "group centers type 1\n"
         "compute sum centers reduce ave c_c[1] c_c[2]\n"
+        "fix each all ave/time 1 1 1 c_sum[*] file each.txt format ' %.17g'\n"
         "fix time all ave/time 1 4 4 c_sum[*]\n"
         "fix atom centers ave/atom 1 4 4 c_c[1] c_c[2]\n"
         "compute late centers reduce ave f_atom[1] f_atom[2]\n"
-        + scenes.thermo(["s=c_sum[1]", "k=c_sum[2]", "ts=f_time[1]", "tk=f_time[2]",
-                         "as=c_late[1]", "ak=c_late[2]"])  # fmt: skip
+        + scenes.thermo(["ts=f_time[1]", "tk=f_time[2]", "as=c_late[1]", "ak=c_late[2]"], every=4)
         + "timestep 0.1\nrun 8\n"
     )
-    rows = lmp(deck, np=np_).thermo
-    for key in "sk":
-        mean = np.mean([row[f"v_{key}"] for row in rows[5:9]])
+    result = lmp(deck, np=np_)
+    each = np.loadtxt(result.path / "each.txt")
+    assert each[:, 0].tolist() == list(range(9))
+    for k, key in enumerate("sk", 1):
+        mean = each[5:9, k].mean()
         assert abs(mean) > 1e-8
-        assert rows[8][f"v_t{key}"] == pytest.approx(mean, rel=1e-10)
-        assert rows[8][f"v_a{key}"] == pytest.approx(mean, rel=1e-10)
+        assert result.thermo[-1][f"v_t{key}"] == pytest.approx(mean, rel=1e-10)
+        assert result.thermo[-1][f"v_a{key}"] == pytest.approx(mean, rel=1e-10)
 
 
 def test_nothing_in_a_deck_of_others(lmp, scenes):

@@ -127,14 +127,18 @@ MOVE = (
 @pytest.mark.parametrize("np_", [1, 3])
 def test_largest_move_and_worst_triangle(lmp, scenes, np_):
     """Of all steps of the run: against a dump of every step."""
-    scene = scenes.hybrid()
+    nodes, mesh = scenes.icosphere(1)
+    scene = scenes.Scene(20.0)
+    for x in (-6.0, 6.2):
+        scene.dcm(x, 0.0, 0.0, 6.0, mesh=("cell.off", 42, 80), options="scale nodes rest 0.95")
+    scene.cbm(0.0, 11.0, 0.0, 4.0)
     head = scene.head() + (
         "group nodes type 2\ndisplace_atoms nodes random 0.5 0.5 0.5 12 units box\n"
     )
     deck = whole(scene, head=head) + "timestep 0.02\n" + scenes.dump(
         columns="id mol type xu yu zu", file="all.txt"
     ) + "run 10\nrun 0\nrun 10\n"  # fmt: skip
-    result = lmp(deck, np=np_)
+    result = lmp(deck, np=np_, files={"cell.off": scenes.off(nodes, mesh)})
     told, frames = notes(result), result.dump("all.txt")
     assert len(told) == 2
     for lines, first in zip(told, (0, 10)):
@@ -164,11 +168,10 @@ def test_largest_move_and_worst_triangle(lmp, scenes, np_):
         r"worst triangle: face (\d+) of cell (\d+), quality (\S+) \(1: equilateral\)",
         line_of(told[1], "worst triangle"),
     ).groups()
-    mesh = scenes.icosphere(1)[1]
     x, ids = last.vectors("xu", "yu", "zu"), last["id"].astype(int)
     place = {tag: x[n] for n, tag in enumerate(ids)}
     worst = {}
-    for cell, center in ((1, 1), (2, 124), (3, 247)):
+    for cell, center in ((1, 1), (2, 124)):
         for n, face in enumerate(mesh):  # center, nodes, faces
             worst[quality([place[center + 1 + v] for v in face])] = (center + 43 + n, cell)
     assert float(found[2]) == pytest.approx(min(worst), rel=0.01)
@@ -225,41 +228,44 @@ def test_lists_of_a_deck_that_makes_them_in_each_step(lmp, scenes):
 
 
 def test_advice_where_something_is_bad(lmp, scenes):
-    """Steps near the limit, deep cells, slivers: one line of advice each, and none in a good run."""
-    good = scenes.doublet()
-    (lines,) = notes(lmp(whole(good) + "timestep 0.01\nrun 5\n"))
+    """Slivers and cells deep in each other: one line each, and none in a good run."""
+    (lines,) = notes(lmp(whole(scenes.doublet()) + "timestep 0.01\nrun 5\n"))
     assert not [line for line in lines if "advice" in line], lines
 
-    deep = scenes.doublet(gap=-2.4)
-    head = deep.head() + (
-        "group one molecule 1\ndisplace_atoms one ramp y -5.6 5.6 y -6 6\n"
-        "displace_atoms one ramp z 5.6 -5.6 z -6 6\n"
-    )
-    deck = whole(deep, head=head) + "timestep 1e-5\nrun 5\n"
+    deck = whole(scenes.doublet(gap=-1.2)) + "timestep 1e-5\nrun 5\n"
     (lines,) = notes(lmp(deck))
-    advice = [line.strip() for line in lines if "advice" in line]
-    assert any("slivers" in line for line in advice), lines
-    assert len(advice) == len(set(advice))
+    advice = [line for line in lines if "advice" in line]
+    assert len(advice) == 1 and "apart" in advice[0], lines
+
+    scene = scenes.single_cell()
+    head = scene.head() + "displace_atoms all ramp y -60 60 y -6 6\n"
+    deck = whole(scene, head=head, contact="comm_modify cutoff 100\n") + "timestep 1e-5\nrun 5\n"
+    (lines,) = notes(lmp(deck))
+    advice = [line for line in lines if "advice" in line]
+    assert len(advice) == 1 and "slivers" in advice[0], lines
 
 
 def test_a_step_near_the_limit(lmp, scenes):
     scene = scenes.single_cell()
     ratio = re.search(MOVE, "\n".join(
         notes(lmp(whole(scene) + "timestep 0.05\nrun 1\n"))[0])).group(6)  # fmt: skip
-    motion = scene.motion(options=f"tolerance 1e-12 maxmove {1.1 * float(ratio)}")
-    for options, expected in (("", 1), (" shrink", 0)):
-        deck = whole(scene, motion=motion.rstrip() + options + "\n") + "timestep 0.05\nrun 1\n"
+    limit = f"tolerance 1e-12 maxmove {1.1 * float(ratio)}"
+    for shrink, expected in (("", 1), (" shrink", 0)):
+        motion = scene.motion(options=limit + shrink)
+        deck = whole(scene, motion=motion) + "timestep 0.05\nrun 1\n"
         (lines,) = notes(lmp(deck))
         assert sum("a smaller timestep" in line for line in lines) == expected, lines
 
 
 def test_of_spheres_and_of_a_minimization(lmp, scenes):
     """No faces, no moves of fix dcm/motion: no such lines."""
-    scene = scenes.Scene(15.0)
+    scene = scenes.Scene(15.0, "p p p")
     scene.cbm(0.0, 0.0, 0.0, 3.0)
     scene.cbm(5.5, 0.0, 0.0, 3.0)
     bare = "bond_style zero nocoeff\nbond_coeff *\ndihedral_style zero nocoeff\ndihedral_coeff *\n"
-    deck = scene.head() + bare + scene.contact() + scene.motion() + "timestep 0.01\nrun 5\n"
+    deck = scene.head() + bare + scene.contact() + "fix cell all dcm/cell\n" + (
+        scene.motion() + "timestep 0.01\nrun 5\n"
+    )
     (lines,) = notes(lmp(deck))
     assert "sphere" in line_of(lines, "largest move")
     assert not [line for line in lines if "triangle" in line or "overlap" in line]

@@ -33,8 +33,8 @@ TEST(MeanStress, UniformPressureFromOutside)
   Points f(mesh.nodes.size(), Vec3::Zero());
   for (const auto &face : mesh.faces)
     for (const int n : face)
-      f[n] += face_pressure_force(-P, mesh.nodes[face[0]], mesh.nodes[face[1]],
-                                  mesh.nodes[face[2]]);
+      f[n] +=
+          face_pressure_force(-P, mesh.nodes[face[0]], mesh.nodes[face[1]], mesh.nodes[face[2]]);
   const Symmetric s = mean_stress(virial_of(f, mesh.nodes).data(), NONE.data(), V);
   expect_near(s, {-P, -P, -P, 0.0, 0.0, 0.0}, 1e-12);
 
