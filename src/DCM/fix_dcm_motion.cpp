@@ -110,7 +110,7 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   restart_global = automatic || shrinks ? 1 : 0;
   dynamic_group_allow = 0;
   vector_flag = 1;
-  size_vector = automatic || shrinks ? 12 : 8;
+  size_vector = automatic || shrinks ? 13 : 8;
   global_freq = 1;
   extvector = 0;
   comm_forward = 1;
@@ -273,6 +273,7 @@ void FixDCMMotion::initial_integrate(int /*vflag*/)
   if (pending) solve(KEEP);
   pending = false;
   if (shrinks) count_short();
+  if (update->ntimestep == update->firststep + 1) began = cell->cells().time() - update->dt;
   note_move();
 
   double **x = atom->x, **v = atom->v;

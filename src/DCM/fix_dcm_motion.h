@@ -114,6 +114,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   bool ended;                          // that time has come
   double read_time;                    // of a restart file: atime and atimestep of LAMMPS' Update;
   bigint read_timestep;                // -1: there is none, or it has been taken
+  double began = 0.0;                  // time at which the run did
   double nshort, shortest;             // steps shorter than the timestep since the start of the run
   double error_of_step, rejected;      // of the coming step; since the start of the run
   std::vector<double> before;          // velocities of the last step, dcm::STRIDE per slot
@@ -144,6 +145,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   double scale_of_move(int) const;
   void find_move(double);
   void note_move();
+  double seconds_left() const;
   void check_move();
   template <class Terms, class Function> double largest_of_cells(Terms &&, Function &&);
   double change_of_velocity();

@@ -17,7 +17,10 @@
 #include "comm.h"
 #include "fix_dcm_cell.h"
 #include "fmt/format.h"
+#include "timer.h"
 #include "update.h"
+
+#include <algorithm>
 
 using namespace LAMMPS_NS;
 
@@ -66,6 +69,21 @@ std::vector<DCMRole::Note> FixDCMMotion::report()
 }
 
 /* ----------------------------------------------------------------------
+   wall time to the end of the run, if it goes on as fast as so far: in time up to where the fix
+ends it, or in steps; 0 before the first step
+------------------------------------------------------------------------- */
+
+double FixDCMMotion::seconds_left() const
+{
+  const bigint steps = update->ntimestep - update->firststep;
+  if (steps <= 0 || update->setupflag) return 0.0;
+  const double now = cell->cells().time(), passed = now - began;
+  double share = (double) (update->laststep - update->ntimestep) / (double) steps;
+  if (passed > 0.0) share = std::min(share, (stop - now) / passed);
+  return std::max(0.0, share) * timer->elapsed(Timer::TOTAL);
+}
+
+/* ----------------------------------------------------------------------
    doc page fix_dcm_motion lists the entries; times are means over processes
 ------------------------------------------------------------------------- */
 
@@ -101,6 +119,9 @@ double FixDCMMotion::compute_vector(int n)
       return rejected;
     case 11:
       return cell->cells().time();
+    case 12:
+      value = seconds_left() / comm->nprocs;
+      break;
     default:
       return 0.0;
   }

@@ -133,6 +133,21 @@ TEST(CellShape, StrainOfAMappedBallIsHenckys)
   EXPECT_NEAR(strain[0] + strain[1] + strain[2], std::log(F.determinant()), 1e-11);
 }
 
+// an icosphere against the ball of its volume; as doc/compute_dcm_cell.rst says
+
+TEST(CellShape, IcosphereAtRestHasNextToNoStrain)
+{
+  const double most[3] = {4.1e-4, 2.6e-5, 1.7e-6};
+  for (int level = 1; level <= 3; level++) {
+    const Mesh mesh = ball(level, 3.0);
+    const Symmetric e = shape_of(mesh).strain(ball_radius(volume(mesh)));
+    for (int k = 0; k < 3; k++) {
+      EXPECT_GT(e[k], 0.9 * most[level - 1]);
+      EXPECT_LT(e[k], most[level - 1]);
+    }
+  }
+}
+
 TEST(CellShape, DoesNotDependOnPlaceOrientationOrNumbering)
 {
   Random random(5, 0, 0);
