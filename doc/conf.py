@@ -30,7 +30,8 @@ LAMMPS_MANUAL = "https://docs.lammps.org/"
 LAMMPS_PAGES = set(
     """
     Build_cmake atom_style balance boundary change_box comm_modify compute compute_bond_local
-    compute_pair compute_pair_local compute_pe_atom compute_property_atom compute_reduce create_box delete_atoms
+    compute_gyration_shape compute_pair compute_pair_local compute_pe_atom compute_property_atom compute_reduce
+    create_box delete_atoms
     displace_atoms dump dump_image dump_modify fix fix_adapt fix_addforce fix_ave_atom fix_ave_histo fix_ave_time fix_balance
     fix_box_relax fix_halt fix_indent fix_modify fix_move fix_nve fix_property_atom fix_setforce
     fix_wall fix_wall_region group mass minimize neigh_modify neighbor newton pair_granular plugin read_data

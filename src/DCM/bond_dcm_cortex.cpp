@@ -15,6 +15,7 @@
 #include "dcm_compat.h"
 #include "law/cortex.h"
 #include "law/stiffness.h"
+#include "law/symmetric.h"
 #include "dcm_unknowns.h"
 #include "domain.h"
 #include "fix_dcm_cell.h"
@@ -157,7 +158,8 @@ void BondDCMCortex::add_cell_virial(std::vector<double> &virial)
     const int i = bondlist[n][0], j = bondlist[n][1], row = cell->cell_of(i);
     if (row < 0) continue;
     const dcm::Vec3 rij = dcm::vec(atom->x[j]) - dcm::vec(atom->x[i]);
-    virial[row] += dcm::cortex_force(coefs[bondlist[n][2]].ks, dcm->l0[i][slots[n]], rij).dot(rij);
+    const dcm::Vec3 force = dcm::cortex_force(coefs[bondlist[n][2]].ks, dcm->l0[i][slots[n]], rij);
+    dcm::add_outer(&virial[6 * (size_t) row], force, rij);
   }
 }
 

@@ -16,7 +16,6 @@
 #include "error.h"
 #include "fix_dcm_cell.h"
 #include "force.h"
-#include "math_const.h"
 #include "memory.h"
 #include "modify.h"
 #include "pair_dcm_contact.h"
@@ -25,36 +24,8 @@
 #include <algorithm>
 
 using namespace LAMMPS_NS;
-using MathConst::MY_4PI;
 
 static const std::string STYLE = "Compute dcm/cell";
-
-static constexpr int NSUM = 5;    // per deformable cell: contact area, free area, velocity
-
-// what is printed for a deformable and for a center-based cell
-
-// clang-format off
-const std::vector<ComputeDCMCell::Value> ComputeDCMCell::VALUES = {
-    {"volume", &ComputeDCMCell::volume, &ComputeDCMCell::volume_of_sphere, NOTHING},
-    {"volume0", &ComputeDCMCell::volume0, &ComputeDCMCell::volume_of_sphere, NOTHING},
-    {"area", &ComputeDCMCell::area, &ComputeDCMCell::area_of_sphere, NOTHING},
-    {"pressure", &ComputeDCMCell::pressure, &ComputeDCMCell::pressure_of_sphere, NOTHING},
-    {"x", &ComputeDCMCell::center<0>, &ComputeDCMCell::atom_x<0>, NOTHING},
-    {"y", &ComputeDCMCell::center<1>, &ComputeDCMCell::atom_x<1>, NOTHING},
-    {"z", &ComputeDCMCell::center<2>, &ComputeDCMCell::atom_x<2>, NOTHING},
-    {"vx", &ComputeDCMCell::summed<2>, &ComputeDCMCell::atom_v<0>, VELOCITY},
-    {"vy", &ComputeDCMCell::summed<3>, &ComputeDCMCell::atom_v<1>, VELOCITY},
-    {"vz", &ComputeDCMCell::summed<4>, &ComputeDCMCell::atom_v<2>, VELOCITY},
-    {"contact_area", &ComputeDCMCell::summed<0>, &ComputeDCMCell::contact_area_of_sphere, AREA},
-    {"free_area", &ComputeDCMCell::summed<1>, &ComputeDCMCell::free_area_of_sphere, AREA},
-    {"neighbors", &ComputeDCMCell::neighbors, &ComputeDCMCell::neighbors, NEIGHBORS},
-    {"kind", &ComputeDCMCell::kind, &ComputeDCMCell::kind, NOTHING},
-    {"molecule", &ComputeDCMCell::molecule, &ComputeDCMCell::molecule, NOTHING},
-    {"mother", &ComputeDCMCell::mother, &ComputeDCMCell::mother, NOTHING},
-    {"generation", &ComputeDCMCell::generation, &ComputeDCMCell::generation, NOTHING},
-    {"birth", &ComputeDCMCell::birth, &ComputeDCMCell::birth, NOTHING},
-    {"phase", &ComputeDCMCell::phase, &ComputeDCMCell::phase, NOTHING}};
-// clang-format on
 
 static const std::vector<std::string> OF_TABLE = {"mother", "generation", "birth", "phase"};
 
@@ -130,6 +101,7 @@ void ComputeDCMCell::init()
   contact = dynamic_cast<PairDCMContact *>(force->pair_match("dcm/contact", 1));
   if (contact) {
     virial = contact->request_virial();
+    if (needs & STRESS) tensor = contact->request_tensor();
     if (needs & NEIGHBORS) partners = contact->request_partners();
   }
   for (const auto &column : columns)
@@ -214,128 +186,6 @@ double ComputeDCMCell::neighbors_of(tagint molecule) const
                    std::lower_bound(in_contact.begin(), in_contact.end(), first));
 }
 
-/* ----------------------------------------------------------------------
-   p = sum of force times distance from the center to the contact / (3 V)
-   (S1, center-based cells), positive in compression
-------------------------------------------------------------------------- */
-
-double ComputeDCMCell::sphere_volume(int i) const
-{
-  const double r = atom->radius[i];
-  return MY_4PI / 3.0 * r * r * r;
-}
-
-double ComputeDCMCell::sphere_pressure(int i) const
-{
-  const double volume = sphere_volume(i);
-  return contact && volume > 0.0 ? contact->sphere_virial()[i] / (3.0 * volume) : 0.0;
-}
-
-/* ----------------------------------------------------------------------
-   one value of the cell whose center or sphere is atom i and that stands in a row of the table
-   (-1: a sphere that is not in it)
-------------------------------------------------------------------------- */
-
-template <int FIELD> double ComputeDCMCell::summed(int, int row) const
-{
-  return cell_sums[NSUM * (size_t) row + FIELD];
-}
-
-template <int K> double ComputeDCMCell::center(int, int row) const
-{
-  return cell->cells()[row].x[K];
-}
-
-template <int K> double ComputeDCMCell::atom_x(int i, int) const
-{
-  return atom->x[i][K];
-}
-
-template <int K> double ComputeDCMCell::atom_v(int i, int) const
-{
-  return atom->v[i][K];
-}
-
-double ComputeDCMCell::volume(int, int row) const
-{
-  return cell->cells()[row].volume;
-}
-
-double ComputeDCMCell::volume0(int, int row) const
-{
-  return cell->cells()[row].volume0;
-}
-
-double ComputeDCMCell::area(int, int row) const
-{
-  return cell->cells()[row].area;
-}
-
-double ComputeDCMCell::pressure(int, int row) const
-{
-  return cell->cells().value("pressure", row);
-}
-
-double ComputeDCMCell::kind(int i, int) const
-{
-  return dcm->kind[i];
-}
-
-double ComputeDCMCell::molecule(int i, int) const
-{
-  return (double) atom->molecule[i];
-}
-
-double ComputeDCMCell::neighbors(int i, int) const
-{
-  return neighbors_of(atom->molecule[i]);
-}
-
-double ComputeDCMCell::volume_of_sphere(int i, int) const
-{
-  return sphere_volume(i);
-}
-
-double ComputeDCMCell::area_of_sphere(int i, int) const
-{
-  return MY_4PI * atom->radius[i] * atom->radius[i];
-}
-
-double ComputeDCMCell::pressure_of_sphere(int i, int) const
-{
-  return sphere_pressure(i);
-}
-
-double ComputeDCMCell::contact_area_of_sphere(int i, int) const
-{
-  return contact->contact_area()[i];
-}
-
-double ComputeDCMCell::free_area_of_sphere(int i, int row) const
-{
-  return std::max(0.0, area_of_sphere(i, row) - contact->contact_area()[i]);
-}
-
-double ComputeDCMCell::mother(int, int row) const
-{
-  return row < 0 ? 0.0 : (double) cell->cells()[row].mother;
-}
-
-double ComputeDCMCell::generation(int, int row) const
-{
-  return row < 0 ? 0.0 : cell->cells()[row].generation;
-}
-
-double ComputeDCMCell::birth(int, int row) const
-{
-  return row < 0 ? 0.0 : cell->cells()[row].birth;
-}
-
-double ComputeDCMCell::phase(int, int row) const
-{
-  return row < 0 ? 0.0 : cell->cells()[row].phase;
-}
-
 /* ---------------------------------------------------------------------- */
 
 void ComputeDCMCell::compute_peratom()
@@ -363,6 +213,8 @@ void ComputeDCMCell::compute_peratom()
                  STYLE, columns[k].name);
   }
 
+  if (cell && (needs & SHAPE)) measure_shapes();
+  if (cell && (needs & STRESS)) measure_stresses();
   if (cell && (needs & (AREA | VELOCITY))) sum_cells();
   if (needs & NEIGHBORS) gather_contacts();
 
@@ -430,7 +282,8 @@ void ComputeDCMCell::compute_vector()
 double ComputeDCMCell::memory_usage()
 {
   double bytes = (double) nmax * columns.size() * sizeof(double);
-  bytes += (double) cell_sums.capacity() * sizeof(double);
+  bytes +=
+      (double) (cell_sums.capacity() + shapes.capacity() + stresses.capacity()) * sizeof(double);
   bytes += (double) in_contact.capacity() * 2 * sizeof(tagint);
   return bytes;
 }

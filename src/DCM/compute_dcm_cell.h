@@ -44,7 +44,9 @@ class ComputeDCMCell : public Compute {
   double memory_usage() override;
 
  private:
-  enum Need { NOTHING = 0, VELOCITY = 1, AREA = 2, NEIGHBORS = 4 };
+  enum Need { NOTHING = 0, VELOCITY = 1, AREA = 2, NEIGHBORS = 4, SHAPE = 8, STRESS = 16 };
+  static constexpr int NSUM = 5;       // per deformable cell: contact area, free area, velocity
+  static constexpr int NSHAPE = 15;    // half-axes, long axis, three measures, strain
 
   struct Value {    // what this compute knows of a cell besides the columns of the table
     const char *name;
@@ -67,16 +69,19 @@ class ComputeDCMCell : public Compute {
   struct DCMAtoms *dcm;
   class FixDCMCell *cell;           // nullptr: no deformable cells, and no value of the table
   class PairDCMContact *contact;    // nullptr: no such pair style
-  DCMRequest<> spheres, virial;
+  DCMRequest<> spheres, virial, tensor;
   DCMRequest<int> partners;
 
   std::vector<double> cell_sums;                        // per row of the table, see sum_cells()
+  std::vector<double> shapes, stresses;                 // NSHAPE, 6; of cells whose center is here
   std::vector<std::pair<tagint, tagint>> in_contact;    // sorted; both orders of each pair
 
   std::string known() const;
   [[noreturn]] void unknown(const std::string &) const;
   void check_current() const;
   void sum_cells();
+  void measure_shapes();
+  void measure_stresses();
   void gather_contacts();
   double neighbors_of(tagint) const;
   double sphere_volume(int) const;
@@ -98,6 +103,14 @@ class ComputeDCMCell : public Compute {
   double pressure_of_sphere(int, int) const;
   double contact_area_of_sphere(int, int) const;
   double free_area_of_sphere(int, int) const;
+  template <int K> double shape(int, int) const;
+  template <int K> double shape_of_sphere(int, int) const;
+  template <int K> double stress(int, int) const;
+  template <int K> double stress_of_sphere(int, int) const;
+  double sphericity(int, int) const;
+  double shape_index(int, int) const;
+  double sphericity_of_sphere(int, int) const;
+  double shape_index_of_sphere(int, int) const;
   double mother(int, int) const;
   double generation(int, int) const;
   double birth(int, int) const;

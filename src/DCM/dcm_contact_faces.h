@@ -19,6 +19,7 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "fix_dcm_cell.h"
+#include "law/symmetric.h"
 
 #include <algorithm>
 #include <cmath>
@@ -203,6 +204,8 @@ template <class State, bool HISTORY, bool SLOPE> void PairDCMContact::compute_mi
       stress[j] += r.force;
     }
     if (want_virial) moment[j] += r.force * (radius - 0.5 * r.delta);
+    if (want_tensor)
+      dcm::add_outer(&tensor[6 * (size_t) j], r.force * (radius - 0.5 * r.delta) * r.u, r.u);
     if (want_partners)
       add_partner(atom->molecule[face.atom], atom->molecule[j], r.area, r.force, r.u);
     if (want_blocks)

@@ -318,7 +318,12 @@ class PressureRule : public MeasureRule {
   void measure(const Cells &, std::vector<double> &value) override
   {
     const auto &table = cell->cells();
-    for (auto *const role : DCMRole::of(lmp)) role->add_cell_virial(value);
+    std::vector<double> virial(6 * (size_t) table.size(), 0.0);
+    for (auto *const role : DCMRole::of(lmp)) role->add_cell_virial(virial);
+    for (int row = 0; row < table.size(); row++) {
+      const double *const six = &virial[6 * (size_t) row];
+      value[row] += six[0] + six[1] + six[2];
+    }
     for (int i = 0; i < atom->nlocal; i++) {
       const int row = cell->cell_of(i);
       if (row >= 0 && !table[row].deformable) value[row] += contact->sphere_virial()[i];

@@ -53,6 +53,14 @@ class DCMRole {
 
   virtual std::string work() { return {}; }
 
+  // what it has seen in this run or finds at its end that tells how good the run was, a line each,
+  // below that table; collective. advice: what to do about it, empty where nothing is wrong
+
+  struct Note {
+    std::string text, advice;
+  };
+  virtual std::vector<Note> report() { return {}; }
+
   // ---- cell events, on all processes; rows are those of the table of cells
 
   virtual void cell_divided(const DCMCellTable::Division &) {}
@@ -72,8 +80,8 @@ class DCMRole {
   virtual const double *covered_area() const { return nullptr; }
 
   // add the virial of the forces that a style makes within deformable cells, the sum over their
-  // nodes of force times position (nN um), per row of the table: of what this process owns. As the
-  // last forces were; forces that depend on angles only have none
+  // nodes of force times position (nN um), six numbers per row of the table (law/symmetric.h): of
+  // what this process owns. As the last forces were
 
   virtual void add_cell_virial(std::vector<double> &) {}
 

@@ -116,6 +116,15 @@ void DCMWatch::look(LAMMPS *lmp, DCMWatch *asking)
   }
   text += fmt::format("  {:{}} {:10.4g} {:10} {:5.1f} %\n", "LAMMPS and others", width,
                       std::max(0.0, rest) / lmp->comm->nprocs, "", percent(std::max(0.0, rest)));
+  std::string notes;
+  for (const auto &row : rows) {
+    if (!row.role) continue;
+    for (const auto &note : row.role->report()) {
+      notes += "  " + note.text + "\n";
+      if (!note.advice.empty()) notes += "    advice: " + note.advice + "\n";
+    }
+  }
+  if (!notes.empty()) text += "Of this run\n" + notes;
   if (lmp->comm->me == 0) asking->table = text;
 }
 

@@ -21,7 +21,7 @@ namespace LAMMPS_NS {
 // What each style of the deck took: the styles of this package are known to LAMMPS as
 // DCMTimedFix<Style>, DCMTimedForce<Style> and DCMTimedCompute<Style>, which are the style with a
 // watch at the calls that LAMMPS makes in each step. The styles themselves know nothing of it.
-// After a run the last fix prints the table.
+// After a run the last fix prints the table, and what the styles have to tell of the run.
 
 class DCMWatch {
  public:

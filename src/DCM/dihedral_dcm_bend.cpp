@@ -13,7 +13,9 @@
 #include "atom.h"
 #include "atom_vec_dcm.h"
 #include "dcm_unknowns.h"
+#include "fix_dcm_cell.h"
 #include "law/hinge.h"
+#include "law/symmetric.h"
 #include "error.h"
 #include "force.h"
 #include "memory.h"
@@ -123,6 +125,29 @@ void DihedralDCMBend::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &u
     int moving = 0;
     for (int k = 0; k < 4; k++) moving += block.n[k] = unknowns(i[k]);
     if (moving > 0) system.hinges.push_back(block);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   no trace, since angles do not change when a cell swells
+------------------------------------------------------------------------- */
+
+void DihedralDCMBend::add_cell_virial(std::vector<double> &virial)
+{
+  const FixDCMCell *const cell = FixDCMCell::require(lmp, STYLE);
+  double **x = atom->x, **theta0 = dcm->theta0;
+  for (int n = 0; n < neighbor->ndihedrallist; n++) {
+    const int *const i = neighbor->dihedrallist[n], row = cell->cell_of(i[1]);
+    if (row < 0) continue;
+    const Coef &coef = coefs[i[4]];
+    const double rest = coef.mesh ? theta0[i[1]][slots[n]] : 0.0;
+    const dcm::Vec3 x1 = dcm::vec(x[i[0]]), x2 = dcm::vec(x[i[1]]), x3 = dcm::vec(x[i[2]]),
+                    x4 = dcm::vec(x[i[3]]);
+    const dcm::Hinge h = dcm::hinge(coef.kb, rest, x1, x2, x3, x4);
+    double *const six = &virial[6 * (size_t) row];
+    dcm::add_outer(six, h.f1, x1 - x2);
+    dcm::add_outer(six, h.f3, x3 - x2);
+    dcm::add_outer(six, h.f4, x4 - x2);
   }
 }
 

@@ -46,6 +46,7 @@ class DihedralDCMBend : public Dihedral, public DCMRole {
   double memory_usage() override;
 
   void add_stiffness(dcm::StiffnessSystem &, class DCMUnknowns &) override;
+  void add_cell_virial(std::vector<double> &) override;
 
   double stiffness(int type) const { return coefs[type].kb; }      // energy
   bool rest_angles(int type) const { return coefs[type].mesh; }    // rest mesh: own angles count

@@ -151,6 +151,8 @@ void FixDCMCell::init()
   dcm_check_deck(lmp, STYLE);
   if (update->whichflag == 2) check_minimize();
   table.reserve_molecules();
+  nlists = 0;
+  lists_for.clear();
 }
 
 void FixDCMCell::setup_pre_neighbor()
@@ -172,6 +174,7 @@ void FixDCMCell::setup_pre_force(int vflag)
 
 void FixDCMCell::pre_neighbor()
 {
+  count_list();
   table.refresh(spheres_wanted.any());
   snap_centers();
   build_faces();

@@ -19,11 +19,13 @@ FixStyle(dcm/cell,DCMTimedFix<FixDCMCell>);
 
 #include "dcm_cell_table.h"
 #include "dcm_request.h"
+#include "dcm_role.h"
 #include "dcm_timed.h"
 #include "fix.h"
 #include "law/cell_sharing.h"
 
 #include <array>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,7 +40,7 @@ namespace LAMMPS_NS {
 // valid from pre_neighbor (each rebuild) on:   faces, face_of, cell_of, membership in the table
 // valid from pre_force (each step) on:         area, volume, area and x of cells, curvature
 
-class FixDCMCell : public Fix {
+class FixDCMCell : public Fix, public DCMRole {
  public:
   struct Face {
     int atom;    // local index of the face atom
@@ -166,6 +168,7 @@ class FixDCMCell : public Fix {
   int image(int *&, double **&) override;
   int modify_param(int, char **) override;
   double memory_usage() override;
+  std::vector<Note> report() override;
 
  private:
   enum Comm { GEOMETRY, CURVATURE, REGION };
@@ -197,6 +200,15 @@ class FixDCMCell : public Fix {
   std::vector<double *> image_rows;
   std::vector<tagint>
       known_tags;    // of all atoms, when it was found out to which cell they belong
+
+  // new neighbor lists of the run, and of them those that a fix, by its ID, or a restart file made
+
+  bigint nlists = 0;
+  std::map<std::string, bigint> lists_for;
+
+  void count_list();
+  Note report_lists() const;
+  void report_faces(std::vector<Note> &) const;
 
   void count_members();
   void list_centers();

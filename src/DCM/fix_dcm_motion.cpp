@@ -110,7 +110,7 @@ FixDCMMotion::FixDCMMotion(LAMMPS *lmp, int narg, char **arg) :
   restart_global = automatic || shrinks ? 1 : 0;
   dynamic_group_allow = 0;
   vector_flag = 1;
-  size_vector = automatic || shrinks ? 12 : 8;
+  size_vector = automatic || shrinks ? 13 : 8;
   global_freq = 1;
   extvector = 0;
   comm_forward = 1;
@@ -151,6 +151,7 @@ void FixDCMMotion::init()
   reset_dt();
   stale = true;
   solves = iterations = rejected = 0.0;
+  most = Most();
   seconds_assembly = seconds_solve = 0.0;
   messages_start = messages.seconds;
   if (automatic && longest == 0.0 && !(step > 0.0)) {    // the command timestep may have come after
@@ -272,6 +273,8 @@ void FixDCMMotion::initial_integrate(int /*vflag*/)
   if (pending) solve(KEEP);
   pending = false;
   if (shrinks) count_short();
+  if (update->ntimestep == update->firststep + 1) began = cell->cells().time() - update->dt;
+  note_move();
 
   double **x = atom->x, **v = atom->v;
   const double dt = update->dt;
@@ -511,56 +514,7 @@ void FixDCMMotion::check_move()
                          : " (or let such steps become shorter, maxmove X shrink)");
 }
 
-/* ----------------------------------------------------------------------
-   doc page fix_dcm_motion lists the entries; times are means over processes
-------------------------------------------------------------------------- */
-
-double FixDCMMotion::compute_vector(int n)
-{
-  double value = 0.0;
-  switch (n) {
-    case 0:
-      return last.residual;
-    case 1:
-      return last.iterations;
-    case 2:
-      return (solves > 0.0) ? iterations / solves : 0.0;
-    case 3:
-      return largest_move;
-    case 4:
-      value = seconds_assembly / comm->nprocs;
-      break;
-    case 5:
-      value = seconds_solve / comm->nprocs;
-      break;
-    case 6:
-      value = (messages.seconds - messages_start) / comm->nprocs;
-      break;
-    case 7:
-      value = system.nowned;
-      break;
-    case 8:
-      return update->dt;
-    case 9:
-      return error_of_step;
-    case 10:
-      return rejected;
-    case 11:
-      return cell->cells().time();
-    default:
-      return 0.0;
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, world);
-  return value;
-}
-
-std::string FixDCMMotion::work()
-{
-  auto text = fmt::format("{:.0f} solves of {:.1f} iterations", solves,
-                          solves > 0.0 ? iterations / solves : 0.0);
-  if (rejected > 0.0) text += fmt::format(", {:.0f} of them again, shorter", rejected);
-  return text;
-}
+/* ---------------------------------------------------------------------- */
 
 double FixDCMMotion::memory_usage()
 {

@@ -67,6 +67,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   void cell_removed(int) override { removed = true; }
   int solved_bits() const override { return groupbit; }
   std::string work() override;
+  std::vector<Note> report() override;
 
  private:
   struct DCMAtoms *dcm;
@@ -113,6 +114,7 @@ class FixDCMMotion : public Fix, public DCMRole {
   bool ended;                          // that time has come
   double read_time;                    // of a restart file: atime and atimestep of LAMMPS' Update;
   bigint read_timestep;                // -1: there is none, or it has been taken
+  double began = 0.0;                  // time at which the run did
   double nshort, shortest;             // steps shorter than the timestep since the start of the run
   double error_of_step, rejected;      // of the coming step; since the start of the run
   std::vector<double> before;          // velocities of the last step, dcm::STRIDE per slot
@@ -123,6 +125,13 @@ class FixDCMMotion : public Fix, public DCMRole {
   double largest_move;          // dt |v| over mean edge (node) or radius (sphere)
   int slot_move;                // where, 0: on another process
   double solves, iterations;    // since the start of the run
+
+  struct Most {    // the largest of the steps taken in the run; who: where it is on this process
+    double ratio = 0.0, move = 0.0;
+    bigint step = 0;
+    tagint tag = 0, molecule = 0;
+    int kind = 0;
+  } most;
   double seconds_assembly, seconds_solve, messages_start;
 
   bigint count_movable() const;
@@ -135,6 +144,8 @@ class FixDCMMotion : public Fix, public DCMRole {
   void check_solution();
   double scale_of_move(int) const;
   void find_move(double);
+  void note_move();
+  double seconds_left() const;
   void check_move();
   template <class Terms, class Function> double largest_of_cells(Terms &&, Function &&);
   double change_of_velocity();

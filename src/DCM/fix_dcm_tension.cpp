@@ -15,6 +15,7 @@
 #include "dcm_unknowns.h"
 #include "error.h"
 #include "group.h"
+#include "law/mean_stress.h"
 #include "law/stiffness.h"
 #include "law/tension.h"
 #include "update.h"
@@ -258,16 +259,17 @@ void FixDCMTension::pre_reverse(int eflag, int vflag)
   }
 }
 
-/* ----------------------------------------------------------------------
-   the gradient of the area by the positions, times these, is two areas
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
 void FixDCMTension::add_cell_virial(std::vector<double> &virial)
 {
+  const double *const normal = cell->normals();
   for (int n = 0; n < cell->nowned(); n++) {
     const FixDCMCell::Face &face = cell->faces()[n];
     const double T = tension(face);
-    if (T != 0.0) virial[face.cell] -= 2.0 * T * cell->area(n);
+    if (T != 0.0)
+      dcm::add_tension_virial(&virial[6 * (size_t) face.cell], T, cell->area(n),
+                              vec(&normal[3 * (size_t) n]));
   }
 }
 

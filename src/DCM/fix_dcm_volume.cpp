@@ -17,6 +17,7 @@
 #include "dcm_deck_check.h"
 #include "dcm_unknowns.h"
 #include "law/curvature.h"
+#include "law/mean_stress.h"
 #include "law/stiffness.h"
 #include "law/volume.h"
 #include "domain.h"
@@ -330,12 +331,14 @@ void FixDCMVolume::add_stiffness(dcm::StiffnessSystem &system, DCMUnknowns &unkn
 }
 
 /* ----------------------------------------------------------------------
-   the gradient of the volume by the positions, times these, is three volumes
+   the gradient of the volume by the positions, times these, is the volume in each direction; form
+   voronoi has that in the limit of fine meshes
 ------------------------------------------------------------------------- */
 
 void FixDCMVolume::add_cell_virial(std::vector<double> &virial)
 {
-  for (const int c : cell->owned_cells()) virial[c] += 3.0 * pressure[c] * cell->cells()[c].volume;
+  for (const int c : cell->owned_cells())
+    dcm::add_pressure_virial(&virial[6 * (size_t) c], pressure[c], cell->cells()[c].volume);
 }
 
 /* ----------------------------------------------------------------------

@@ -93,6 +93,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   ev_init(eflag, vflag);
 
   count = Counters();
+  if (update->setupflag) deepest = Deepest();
   const bool anew = neighbor->ago == 0 || built != neighbor->lastcall;
   if (anew) sort_pairs();
   count.pairs = (bigint) face_pairs.size() + mixed_pairs.size() + sphere_pairs.size();
@@ -103,11 +104,12 @@ void PairDCMContact::compute(int eflag, int vflag)
   count.list_seconds = platform::walltime() - start;
 
   find_wanted();
-  want_overlap = (eflag_global || anew) && fix_cell;
+  want_overlap = (eflag_global || anew || update->ntimestep == update->laststep) && fix_cell;
   const int nall = atom->nlocal + atom->nghost;
   area.assign(nall, 0.0);
   if (want_stress) stress.assign(nall, 0.0);
   if (want_virial) moment.assign(nall, 0.0);
+  if (want_tensor) tensor.assign(6 * (size_t) nall, 0.0);
   clear_blocks();
   if (want_partners) {
     partner_list.clear();
@@ -125,7 +127,7 @@ void PairDCMContact::compute(int eflag, int vflag)
   if (update->setupflag) report_fault();
 
   commmode = SUMS;
-  comm->reverse_comm(this, 1 + want_stress + want_virial);
+  comm->reverse_comm(this, 1 + want_stress + want_virial + 6 * want_tensor);
 
   if (vflag_fdotr) virial_fdotr_compute();
 
@@ -147,6 +149,7 @@ void PairDCMContact::find_wanted()
 {
   want_stress = stress_requests.any();
   want_virial = virial_requests.any();
+  want_tensor = tensor_requests.any();
   want_stiffness = (traits_of_deck & IMPLICIT) || stiffness_requests.any();
   want_blocks = (traits_of_deck & MOVES) || blocks_requests.any() || want_stiffness;
   want_partners = false;
@@ -317,6 +320,8 @@ int PairDCMContact::pack_reverse_comm(int n, int first, double *buf)
       buf[m++] = area[i];
       if (want_stress) buf[m++] = stress[i];
       if (want_virial && kind == AtomVecDCM::SPHERE) buf[m++] = moment[i];
+      if (want_tensor && kind == AtomVecDCM::SPHERE)
+        for (int k = 0; k < 6; k++) buf[m++] = tensor[6 * (size_t) i + k];
     }
   }
   return m;
@@ -335,6 +340,8 @@ void PairDCMContact::unpack_reverse_comm(int n, int *list, double *buf)
       area[i] += buf[m++];
       if (want_stress) stress[i] += buf[m++];
       if (want_virial && kind == AtomVecDCM::SPHERE) moment[i] += buf[m++];
+      if (want_tensor && kind == AtomVecDCM::SPHERE)
+        for (int k = 0; k < 6; k++) tensor[6 * (size_t) i + k] += buf[m++];
     }
   }
 }

@@ -95,13 +95,15 @@ class PairDCMContact : public Pair, public DCMRole {
   const double *contact_area() const { return area.data(); }
   const double *covered_area() const override { return area.data(); }
   std::string work() override;
+  std::vector<Note> report() override;
 
   // ask in init(), every run, and keep the handle: normal contact force per face or sphere
-  // (compression positive), virial of spheres, friction blocks, stiffness, contact per pair of
-  // cells in the steps that are multiples of `every`, or in those in which a compute with timeflag
-  // is going to be read, and the first and last step of a run
+  // (compression positive), virial of spheres, the same as a tensor, friction blocks, stiffness,
+  // contact per pair of cells in the steps that are multiples of `every`, or in those in which a
+  // compute with timeflag is going to be read, and the first and last step of a run
   DCMRequest<> request_stress() { return stress_requests.add(); }
   DCMRequest<> request_virial() { return virial_requests.add(); }
+  DCMRequest<> request_tensor() { return tensor_requests.add(); }
   DCMRequest<> request_blocks() { return blocks_requests.add(); }
   DCMRequest<> request_stiffness() { return stiffness_requests.add(); }
   DCMRequest<int> request_partners(int every = 1) { return partner_requests.add(every); }
@@ -120,6 +122,9 @@ class PairDCMContact : public Pair, public DCMRole {
   // per owned sphere, sum over its contacts of repulsive force times distance from the center:
   // half the distance of two spheres, or that to the plane of contact with a face
   const double *sphere_virial() const { return moment.data(); }
+
+  // the same by components, compression positive: six numbers (law/symmetric.h)
+  const double *sphere_tensor() const { return tensor.data(); }
 
   // the whole list of sisters, the same on all ranks, in any order: call it in init(), every run,
   // and whenever the list or a value changes, before the forces of a step; empty: none, no cost
@@ -161,7 +166,8 @@ class PairDCMContact : public Pair, public DCMRole {
   enum { DMT, MAUGIS, FOUNDATION };    // their order
   enum CommMode { SUMS, NEIGHBORS, MODULUS };
 
-  DCMRequests<> stress_requests, virial_requests, blocks_requests, stiffness_requests;
+  DCMRequests<> stress_requests, virial_requests, tensor_requests, blocks_requests,
+      stiffness_requests;
   DCMRequests<int> partner_requests;
   DCMRequests<class Compute *> reader_requests;
   DCMRequest<> curvature;
@@ -188,7 +194,13 @@ class PairDCMContact : public Pair, public DCMRole {
   bool own_collections = false;    // of neighbor style multi
   bool own_bins = false;
   bool warned_h0 = false, warned_filled = false, warned_overlap = false;
-  double filled = 0.0, overlap = 0.0;                // measure_overlap()
+  double filled = 0.0, overlap = 0.0;    // measure_overlap()
+  struct Deepest {                       // overlap of the run, by its share
+    double share = 0.0, depth = 0.0;     // depth, cells: where rank is this process
+    tagint cells[2] = {0, 0};
+    bigint step = 0;
+    int rank = 0;
+  } deepest;
   double stiffest = 0.0;                             // law foundation: largest stiffness per area
   std::vector<std::pair<int, int>> excluded_here;    // types kept apart by this style
   bool own_molecules = false;                        // and nodes of one cell
@@ -215,7 +227,7 @@ class PairDCMContact : public Pair, public DCMRole {
   bool any_apparent, use_history;
   unsigned traits_of_deck = 0U;
   bool want_stress, want_partners, want_blocks;    // in this step
-  bool want_virial = false, want_stiffness = false, want_overlap = false;
+  bool want_virial = false, want_tensor = false, want_stiffness = false, want_overlap = false;
   double mean_edge, cell_radius;    // at the start of the run; largest deformable cell
   double largest_edge = 0.0;        // largest mean edge of a cell
   bigint built;
@@ -248,6 +260,7 @@ class PairDCMContact : public Pair, public DCMRole {
   std::vector<double> rmax_cell, bears;    // bears: largest overlap, per row of the table
 
   std::vector<double> area, stress, moment, modulus, near_sum, near_count;    // per atom
+  std::vector<double> tensor;                                                 // six
   std::vector<dcm::ContactBlock> contacts;
   std::vector<dcm::EdgeBlock> spheres;
   struct Slope {
@@ -284,6 +297,7 @@ class PairDCMContact : public Pair, public DCMRole {
   void choose_collections();
 
   double bearable(double, double) const;
+  const char *remedy_for_overlap() const;
   void measure_overlap();
   void find_wanted();
   void sort_pairs();

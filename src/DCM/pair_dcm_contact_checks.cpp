@@ -437,6 +437,35 @@ double PairDCMContact::bearable(double edge, double radius) const
   return std::min({overlap_used, mesh, 0.5 * radius});
 }
 
+/* ---------------------------------------------------------------------- */
+
+const char *PairDCMContact::remedy_for_overlap() const
+{
+  return set.law == FOUNDATION
+             ? "a thinner layer (pair_coeff keyword layer) or a larger E_contact keeps them apart"
+             : "'pair_style dcm/contact law foundation' keeps them apart";
+}
+
+/* ----------------------------------------------------------------------
+   the largest overlap of two deformable cells in the run, where it was looked for: for output, and
+   when the list was new
+------------------------------------------------------------------------- */
+
+std::vector<DCMRole::Note> PairDCMContact::report()
+{
+  if (!(deepest.share > 0.0)) return {};
+  Deepest most = deepest;
+  MPI_Bcast(&most, sizeof(most), MPI_BYTE, most.rank, world);
+  Note note;
+  note.text = fmt::format(
+      "largest overlap {:.3g}: cells {} and {} at step {}, {:.2g} of h0 {:.3g}, "
+      "{:.2g} of what ends the run",
+      most.depth, std::min(most.cells[0], most.cells[1]), std::max(most.cells[0], most.cells[1]),
+      most.step, most.depth / h0_used, h0_used, most.share);
+  if (most.share > DEEP) note.advice = remedy_for_overlap();
+  return {note};
+}
+
 /* ----------------------------------------------------------------------
    how much of the box the cells take, and how deep they are in each other: where output is due,
    and when the list is new
@@ -469,10 +498,10 @@ void PairDCMContact::measure_overlap()
   filled /= domain->xprd * domain->yprd * domain->zprd;
   if (!fix_cell) return;
 
-  const char *const remedy =
-      set.law == FOUNDATION
-          ? "a thinner layer (pair_coeff keyword layer) or a larger E_contact keeps them apart"
-          : "'pair_style dcm/contact law foundation' keeps them apart";
+  if (worst.share > deepest.share)
+    deepest = {
+        worst.share, count.deepest, {count.deep[0], count.deep[1]}, update->ntimestep, worst.rank};
+  const char *const remedy = remedy_for_overlap();
   if (filled > OVERFILLED && !warned_filled) {
     warned_filled = true;
     if (comm->me == 0)

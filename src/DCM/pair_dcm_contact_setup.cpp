@@ -79,7 +79,7 @@ PairDCMContact::PairDCMContact(LAMMPS *lmp) :
   beyond_contact = 1;    // a neck outlives the overlap: history is kept for all listed pairs
   centroidstressflag = CENTROID_NOTAVAIL;
   comm_forward = 1;
-  comm_reverse = 3;
+  comm_reverse = 3 + 6;    // SUMS: area, stress, virial of spheres and that as a tensor
   nextra = 6;
   pvector = new double[nextra]();
 
@@ -526,7 +526,8 @@ double PairDCMContact::memory_usage()
   bytes += (double) (face_touch.capacity() + mixed_touch.capacity() + sphere_touch.capacity()) *
            sizeof(int *);
   bytes += (double) geometry.capacity() * sizeof(dcm::FaceGeometry);
-  bytes += (double) (area.capacity() + stress.capacity() + moment.capacity() + modulus.capacity()) *
+  bytes += (double) (area.capacity() + stress.capacity() + moment.capacity() + tensor.capacity() +
+                     modulus.capacity()) *
            sizeof(double);
   bytes += (double) contacts.capacity() * sizeof(dcm::ContactBlock);
   bytes += (double) (spheres.capacity() + sphere_stiffness.capacity()) * sizeof(dcm::EdgeBlock);

@@ -16,6 +16,7 @@
 #include "atom_vec_dcm.h"
 #include "comm.h"
 #include "law/jkr.h"
+#include "law/symmetric.h"
 #include "error.h"
 
 #include <algorithm>
@@ -181,6 +182,8 @@ template <bool SISTERS, bool SLOPE> void PairDCMContact::sphere_contacts(int efl
       moment[i] += 0.5 * d * force;
       moment[j] += 0.5 * d * force;
     }
+    if (want_tensor)
+      for (const int k : {i, j}) dcm::add_outer(&tensor[6 * (size_t) k], 0.5 * d * force * u, u);
     if (want_partners) add_partner(atom->molecule[i], atom->molecule[j], patch, force, u);
     if (want_blocks)
       spheres.push_back({i, j, patch * mat.gt, patch * (mat.gn - mat.gt), {u[0], u[1], u[2]}});

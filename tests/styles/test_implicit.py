@@ -148,6 +148,30 @@ def test_runs_stop_at_a_time(lmp, scenes):
     assert fixed.thermo[-1]["Time"] == 10.0    # a timestep of given length is not cut
 
 
+@pytest.mark.parametrize("np_", [1, 2])
+def test_wall_time_that_is_left(lmp, scenes, np_):
+    """By the time of a run, by its steps where these end it: against LAMMPS' wall time."""
+    scene = scenes.doublet()
+    result = lmp(
+        scene.head() + scene.forces()
+        + scene.motion(options="scheme implicit dt auto tol 0.002 max 2 stop 50")
+        + scenes.thermo(["time", "cpu", "cpuremain", "left=f_motion[13]"]) + "timestep 1.0\n"
+        + "run 100000\nfix_modify motion stop 100\nrun 100000\n"
+        + "fix_modify motion stop 1e9\nrun 30\n", np=np_)
+    ends = [50.0, 100.0, None]
+    for rows, end in zip(result.runs, ends, strict=True):
+        assert len(rows) > 20
+        for row in rows[1:]:
+            share = 0.0
+            if end and row["Time"] < end - 1e-9:
+                share = (end - row["Time"]) / (row["Time"] - rows[0]["Time"])
+            if not end:
+                share = (rows[-1]["Step"] - row["Step"]) / (row["Step"] - rows[0]["Step"])
+            assert row["v_left"] == pytest.approx(share * row["CPU"], rel=0.05, abs=2e-3 * share)
+        assert rows[0]["v_left"] == 0.0 and rows[-1]["v_left"] == pytest.approx(0.0, abs=1e-9)
+        assert any(row["v_left"] > 0.0 for row in rows)
+
+
 def test_dumps_by_time_are_met(lmp, scenes):
     """... and have the values of that step, not of the last one that was printed."""
     scene = scenes.doublet()

@@ -60,7 +60,7 @@ EVERY = 10  # steps between two lines of thermo output, whatever the deck says
 
 # columns of thermo output that are wall times; fixes and computes have these names in every deck
 TIMINGS = {"CPU", "T/CPU", "S/CPU", "CPULeft", "Part", "TimeoutLeft", "f_division[4]"}
-TIMINGS |= {"f_move[5]", "f_move[6]", "f_move[7]", "c_contact[4]"}
+TIMINGS |= {"f_move[5]", "f_move[6]", "f_move[7]", "f_move[13]", "c_contact[4]"}
 
 LOG = "log.lammps"
 ATOMS = "atoms.txt"

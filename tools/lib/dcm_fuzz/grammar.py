@@ -448,6 +448,8 @@ class Deck:
     CELL = [
         "volume", "volume0", "area", "pressure", "x", "y", "z", "vx", "vy", "vz", "contact_area",
         "free_area", "neighbors", "kind", "molecule", "mother", "generation", "birth", "phase",
+        "axis1", "axis3", "long_x", "asphericity", "acylindricity", "anisotropy", "sphericity",
+        "shape_index", "exx", "exy", "sxx", "szz", "syz",
     ]  # fmt: skip
     COLUMNS = {
         "growth": ["progress"], "polarity": ["ax", "px", "apical_area"],
