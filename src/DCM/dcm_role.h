@@ -44,7 +44,9 @@ class DCMRole {
     FIXED_STEP = 64U,       // its scheme in time needs steps of one length
     IMPLICIT = 128U,        // wants the stiffness of all others as well
     CHOOSES_STEP = 256U,    // and takes steps that others stand
-    SHORTENS_STEP = 512U    // takes shorter steps than the timestep of the deck where it must
+    SHORTENS_STEP = 512U,    // takes shorter steps than the timestep of the deck where it must
+    KEEPS_PLACES = 1024U     // keeps numbers of single faces, edges or pairs of faces, which a new
+                             // mesh of the cell does not have
   };
 
   virtual unsigned traits() const { return 0U; }

@@ -687,12 +687,19 @@ namespace remesh_detail {
       int a, b;
     };
     for (int sweep = 0; sweep < sweeps && !where.empty(); sweep++) {
-      std::vector<Flip> list;
+      std::vector<std::array<int, 2>> sides;    // each edge once, from its lower node
       for (const int face : where)
-        for (int k = 0; k < 3; k++) {
-          const double gain = flip_gain(face, k);
-          if (gain > 0.0) list.push_back({gain, f[face][k], f[face][(k + 1) % 3]});
-        }
+        for (int k = 0; k < 3; k++)
+          sides.push_back({std::min(f[face][k], f[face][(k + 1) % 3]),
+                           std::max(f[face][k], f[face][(k + 1) % 3])});
+      std::sort(sides.begin(), sides.end());
+      sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+      std::vector<Flip> list;
+      for (const auto &it : sides) {
+        const int face = find(it[0], it[1]);
+        const double gain = flip_gain(face, corner(f[face], it[0]));
+        if (gain > 0.0) list.push_back({gain, it[0], it[1]});
+      }
       std::sort(list.begin(), list.end(), [](const Flip &p, const Flip &q) {
         if (p.gain != q.gain) return p.gain > q.gain;
         return p.a != q.a ? p.a < q.a : p.b < q.b;
@@ -849,32 +856,33 @@ namespace remesh_detail {
     return missing / volume0;
   }
 
-  /// From points of the one to the faces of the other surface, of what has changed.
+  /// Largest distance between two surfaces, at points of the faces that are not in both: corners
+  /// and a grid between them.
   inline double apart(const Surface &now, const Mesh &before)
   {
+    const Mesh mesh = {now.x, now.f};
+    const Envelope after(mesh);
     double most = 0.0;
-    auto look = [&most](const Vec3 &p, const std::vector<Vec3> &x, const std::vector<Face> &f) {
-      double least = std::numeric_limits<double>::infinity();
-      for (const Face &t : f)
-        least =
-            std::min(least, (p - nearest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]])).squaredNorm());
-      most = std::max(most, least);
-    };
-    for (size_t n = 0; n < now.x.size(); n++) {
-      if (!now.moved[n]) continue;
-      look(now.x[n], before.nodes, before.faces);
-      look(before.nodes[n], now.x, now.f);
-    }
     for (size_t f = 0; f < now.f.size(); f++) {
-      if (!now.changed[f]) continue;
-      const Face &t = now.f[f], &u = before.faces[f];
-      look((now.x[t[0]] + now.x[t[1]] + now.x[t[2]]) / 3.0, before.nodes, before.faces);
-      for (int k = 0; k < 3; k++) {
-        look(0.5 * (now.x[t[k]] + now.x[t[(k + 1) % 3]]), before.nodes, before.faces);
-        look(0.5 * (before.nodes[u[k]] + before.nodes[u[(k + 1) % 3]]), now.x, now.f);
+      bool touched = now.changed[f] != 0;
+      for (const int n : now.f[f]) touched = touched || now.moved[n];
+      if (!touched) continue;
+      for (const bool fresh : {true, false}) {
+        const Mesh &from = fresh ? mesh : before;
+        const Envelope &to = fresh ? *now.was : after;
+        const Face &t = from.faces[f];
+        int hint = -1;
+        for (int a = 0; a <= 6; a++)
+          for (int b = 0; a + b <= 6; b++) {
+            const int c = 6 - a - b;
+            const Vec3 p = (a * from.nodes[t[0]] + b * from.nodes[t[1]] + c * from.nodes[t[2]]) / 6.0;
+            const EnvelopePoint near = to.nearest(p, hint);
+            hint = near.face;
+            most = std::max(most, std::fabs(near.distance));
+          }
       }
     }
-    return std::sqrt(most);
+    return most;
   }
 
   inline double spring_energy(const Mesh &mesh, const std::vector<double> &l0)
@@ -957,6 +965,7 @@ namespace remesh_detail {
       result.cell.theta0.push_back(touched ? wrapped(theta - s.bent[face][k])
                                            : cell.theta0[at - old.begin()]);
     }
+    if (!check_mesh(result.cell.mesh).empty()) return as_it_was(cell);
     result.quality = worst_face(result.cell.mesh);
     result.distance = apart(s, cell.mesh) / mean_edge(cell.mesh);
     result.area = area(result.cell.mesh) / area(cell.mesh);
