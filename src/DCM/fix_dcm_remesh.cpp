@@ -45,6 +45,10 @@ static const char HEADER[] =
 
 static constexpr double AGAIN = 0.95;
 
+// goal, unless given: this part of the way from the quality to 1
+
+static constexpr double MARGIN = 0.25;
+
 // the law sees positions rounded to this part of a cell's size, as in fix dcm/division: what it
 // decides must not hang on the last bits, which differ with the number of ranks
 
@@ -103,7 +107,7 @@ void FixDCMRemesh::parse(int narg, char **arg)
       log.name(args.text());
     }
   }
-  if (!have_goal) settings.goal = std::max(settings.goal, 0.5 * (1.0 + settings.quality));
+  if (!have_goal) settings.goal = settings.quality + MARGIN * (1.0 - settings.quality);
   if (settings.goal < settings.quality)
     error->all(FLERR, "{}: goal {} is below quality {}; a cell would be remeshed at every look",
                STYLE, settings.goal, settings.quality);
