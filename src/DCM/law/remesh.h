@@ -229,13 +229,15 @@ namespace remesh_detail {
     return it;
   }
 
-  /// One try, in which each operation keeps within `part` of the distance; what it has come to is
-  /// for the caller to judge.
-  inline Remeshed attempt(const RemeshCell &cell, const RemeshSettings &set, double part)
+  /// One try, in which each operation keeps within `part` of the distance, and faces as good as the
+  /// goal stay what they are, or not (widely); what it has come to is for the caller to judge.
+  inline Remeshed attempt(const RemeshCell &cell, const RemeshSettings &set, double part,
+                          bool widely)
   {
     Remeshed result = as_it_was(cell);
     Surface s;
     if (!s.begin(cell, set, part)) return result;
+    if (widely) s.goal = 1.0;
     std::vector<int> all(s.f.size());
     std::iota(all.begin(), all.end(), 0);
     s.smooth(all, SWEEPS);
@@ -300,15 +302,22 @@ inline Remeshed remesh(const RemeshCell &cell, const RemeshSettings &set)
       remesh_need(worst_face(cell.mesh), longest_edge(cell.mesh), set);
   if (need >= 1.0 || !check_mesh(cell.mesh).empty()) return remesh_detail::as_it_was(cell);
   const bool crossed = self_crossing(cell.mesh)[0] >= 0;
-  double part = remesh_detail::OPERATIONS;
-  for (int k = 0; k < remesh_detail::TRIES; k++) {
-    Remeshed result = remesh_detail::attempt(cell, set, part);
+  Remeshed best = remesh_detail::as_it_was(cell);
+  double best_need = need, part = remesh_detail::OPERATIONS;
+  for (int k = 0; k < remesh_detail::TRIES && best_need < 1.0; k++) {
+    Remeshed result = remesh_detail::attempt(cell, set, part, k > 0);
     const Mesh &mesh = result.cell.mesh;
-    if (remesh_need(result.quality, longest_edge(mesh), set) <= need) break;
-    if (result.distance <= set.distance && (crossed || self_crossing(mesh)[0] < 0)) return result;
-    part *= std::clamp(0.9 * set.distance / result.distance, 0.3, 0.7);
+    const double now = remesh_need(result.quality, longest_edge(mesh), set);
+    if (result.distance > set.distance)
+      part *= std::clamp(0.9 * set.distance / result.distance, 0.3, 0.7);
+    else if (k > 0 && now <= best_need)
+      break;
+    if (result.distance > set.distance || now <= best_need) continue;
+    if (!crossed && self_crossing(mesh)[0] >= 0) continue;
+    best_need = now;
+    best = std::move(result);
   }
-  return remesh_detail::as_it_was(cell);
+  return best;
 }
 
 }    // namespace dcm
