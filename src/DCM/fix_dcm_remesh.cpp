@@ -56,7 +56,7 @@ static constexpr double ROUNDING = 0x1p-24;
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/remesh [every N] [quality Q] [goal G] [longest R] [distance D] [angle A]
-       [log FILE]
+       [energy E] [log FILE]
 ------------------------------------------------------------------------- */
 
 FixDCMRemesh::FixDCMRemesh(LAMMPS *lmp, int narg, char **arg) :
@@ -81,7 +81,7 @@ FixDCMRemesh::FixDCMRemesh(LAMMPS *lmp, int narg, char **arg) :
 void FixDCMRemesh::parse(int narg, char **arg)
 {
   DCMArgs args(lmp, STYLE, narg, arg,
-               {"every", "quality", "goal", "longest", "distance", "angle", "log"});
+               {"every", "quality", "goal", "longest", "distance", "angle", "energy", "log"});
   bool have_goal = false;
   while (args.next()) {
     if (args.is("every")) {
@@ -103,6 +103,8 @@ void FixDCMRemesh::parse(int narg, char **arg)
       const double degrees = args.number(DCMArgs::POSITIVE);
       args.check(degrees <= 90.0, "at most 90 degrees");
       settings.angle = MathConst::DEG2RAD * degrees;
+    } else if (args.is("energy")) {
+      settings.energy = args.number(DCMArgs::POSITIVE);
     } else {
       log.name(args.text());
     }

@@ -53,6 +53,7 @@ RemeshSettings wanting(double quality)
   RemeshSettings set;
   set.quality = quality;
   set.goal = 0.5 * (1.0 + quality);
+  set.energy = 10.0;
   return set;
 }
 
@@ -400,5 +401,30 @@ TEST(Remesh, AsFarAsItMay)
     const Remeshed now = remesh(cell_of(mesh, 1.0), set);
     EXPECT_LE(now.distance, distance);
     EXPECT_GE(now.quality, now.quality_before);
+  }
+}
+
+TEST(Remesh, EnergyChangesByNoMore)
+{
+  // stretched along x and pressed along y: springs of one constant cannot have the same
+  // energy on another mesh
+  Mesh mesh = ball(2, 5.0);
+  RemeshCell cell = cell_of(mesh, 1.0);
+  cell.mesh = mapped(mesh, [](const Vec3 &x) {
+    return Vec3(2.2 * x[0], 0.6 * x[1], x[2]);
+  });
+  auto set = wanting(0.6);
+  ASSERT_LT(worst_face(cell.mesh), set.quality);
+  set.energy = 10.0;
+  const Remeshed free = remesh(cell, set);
+  const double change = std::fabs(free.energy / free.energy_before - 1.0);
+  ASSERT_GT(free.flips, 0);
+  ASSERT_GT(change, 0.02);
+  set.energy = 1.01 * change;
+  EXPECT_EQ(remesh(cell, set).flips, free.flips);
+  for (const double part : {0.99, 0.5, 0.1}) {
+    set.energy = part * change;
+    const Remeshed now = remesh(cell, set);
+    EXPECT_LE(std::fabs(now.energy / now.energy_before - 1.0), set.energy);
   }
 }

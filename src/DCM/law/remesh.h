@@ -49,6 +49,7 @@ namespace remesh_detail {
   constexpr int CANDIDATES = 6;           // faces whose nodes and edges are tried
   constexpr double OPERATIONS = 0.8;      // part of the distance for each, at the first try
   constexpr int TRIES = 4;
+  constexpr double NO_ENERGY = 1.0e-20;    // of round-off, per area
 
   inline double worst_of(const Surface &s)
   {
@@ -314,6 +315,9 @@ inline Remeshed remesh(const RemeshCell &cell, const RemeshSettings &set)
       break;
     if (result.distance > set.distance || now <= best_need) continue;
     if (!crossed && self_crossing(mesh)[0] >= 0) continue;
+    if (std::fabs(result.energy - result.energy_before) >
+        set.energy * result.energy_before + remesh_detail::NO_ENERGY * area(mesh))
+      continue;
     best_need = now;
     best = std::move(result);
   }
