@@ -56,7 +56,7 @@ static constexpr double ROUNDING = 0x1p-24;
 
 /* ----------------------------------------------------------------------
    fix ID group dcm/remesh [every N] [quality Q] [goal G] [longest R] [distance D] [angle A]
-       [energy E] [log FILE]
+       [energy E] [carry strain|load] [log FILE]
 ------------------------------------------------------------------------- */
 
 FixDCMRemesh::FixDCMRemesh(LAMMPS *lmp, int narg, char **arg) :
@@ -81,7 +81,7 @@ FixDCMRemesh::FixDCMRemesh(LAMMPS *lmp, int narg, char **arg) :
 void FixDCMRemesh::parse(int narg, char **arg)
 {
   DCMArgs args(lmp, STYLE, narg, arg,
-               {"every", "quality", "goal", "longest", "distance", "angle", "energy", "log"});
+               {"every", "quality", "goal", "longest", "distance", "angle", "energy", "carry", "log"});
   bool have_goal = false;
   while (args.next()) {
     if (args.is("every")) {
@@ -105,6 +105,8 @@ void FixDCMRemesh::parse(int narg, char **arg)
       settings.angle = MathConst::DEG2RAD * degrees;
     } else if (args.is("energy")) {
       settings.energy = args.number(DCMArgs::POSITIVE);
+    } else if (args.is("carry")) {
+      settings.load = args.choose({"strain", "load"}, "strain or load") == 1;
     } else {
       log.name(args.text());
     }

@@ -428,3 +428,32 @@ TEST(Remesh, EnergyChangesByNoMore)
     EXPECT_LE(std::fabs(now.energy / now.energy_before - 1.0), set.energy);
   }
 }
+
+TEST(Remesh, LoadIsCarried)
+{
+  // a stretched cell: the springs have the same virial on the other mesh, and what is far from all
+  // changes has its rest lengths
+  RemeshCell cell = cell_of(ball(2, 5.0), 1.0);
+  cell.mesh = mapped(cell.mesh, [](const Vec3 &x) {
+    return Vec3(1.8 * x[0], 0.8 * x[1] + 0.5 * x[0], x[2]);
+  });
+  auto set = wanting(0.55);
+  set.goal = 0.6;
+  ASSERT_LT(worst_face(cell.mesh), set.quality);
+  const Remeshed strain = remesh(cell, set);
+  ASSERT_GT(strain.flips, 0);
+  set.load = true;
+  const Remeshed load = remesh(cell, set);
+  ASSERT_EQ(load.cell.mesh.faces, strain.cell.mesh.faces);
+  const Mat3 before = remesh_detail::spring_virial(cell.mesh, cell.l0);
+  const auto lacks = [&before](const Remeshed &now) {
+    return (remesh_detail::spring_virial(now.cell.mesh, now.cell.l0) - before).norm() /
+        before.norm();
+  };
+  EXPECT_LT(lacks(load), 1.0e-12);
+  EXPECT_GT(lacks(strain), 1.0e-3);
+  size_t same = 0;
+  for (size_t e = 0; e < load.cell.l0.size(); e++) same += load.cell.l0[e] == strain.cell.l0[e];
+  EXPECT_GT(same, 0u);
+  EXPECT_LT(same, load.cell.l0.size());
+}

@@ -12,6 +12,8 @@
 #include "remesh_surface.h"
 #include "self_crossing.h"
 
+#include <Eigen/LU>
+
 namespace dcm {
 
 /// What was done. Nothing is changed if flips, slides and moves are 0.
@@ -218,6 +220,49 @@ namespace remesh_detail {
 
 namespace remesh_detail {
 
+  /// Virial of the springs, for a spring constant of 1: sum of (l - l0) / l d d^T, um^2.
+  inline Mat3 spring_virial(const Mesh &mesh, const std::vector<double> &l0)
+  {
+    Mat3 sum = Mat3::Zero();
+    const auto list = edges(mesh);
+    for (size_t e = 0; e < list.size(); e++) {
+      const Vec3 d = mesh.nodes[list[e][1]] - mesh.nodes[list[e][0]];
+      sum += (1.0 - l0[e] / d.norm()) * d * d.transpose();
+    }
+    return sum;
+  }
+
+  /// Give edges (chosen ones) a strain more, the same tensor for all, with which the springs have this
+  /// virial. False if an edge would have to be shorter at rest than a tenth of what it is.
+  inline bool carry_load(const Mesh &mesh, const std::vector<char> &chosen, const Mat3 &virial,
+                         std::vector<double> &l0)
+  {
+    constexpr int P[6] = {0, 1, 2, 0, 0, 1}, Q[6] = {0, 1, 2, 1, 2, 2};
+    Eigen::Matrix<double, 6, 6> system = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Matrix<double, 6, 1> missing;
+    const Mat3 lack = virial - spring_virial(mesh, l0);
+    const auto list = edges(mesh);
+    std::vector<Eigen::Matrix<double, 6, 1>> way(list.size());
+    for (size_t e = 0; e < list.size(); e++) {
+      if (!chosen[e]) continue;
+      const Vec3 d = mesh.nodes[list[e][1]] - mesh.nodes[list[e][0]];
+      for (int k = 0; k < 6; k++)    // strain along the edge of a unit of each component
+        way[e][k] = (P[k] == Q[k] ? 1.0 : 2.0) * d[P[k]] * d[Q[k]] / d.squaredNorm();
+      for (int k = 0; k < 6; k++) system.row(k) += d[P[k]] * d[Q[k]] * way[e].transpose();
+    }
+    for (int k = 0; k < 6; k++) missing[k] = lack(P[k], Q[k]);
+    const auto solver = system.fullPivLu();
+    if (!solver.isInvertible()) return false;
+    const Eigen::Matrix<double, 6, 1> strain = solver.solve(missing);
+    for (size_t e = 0; e < list.size(); e++) {
+      if (!chosen[e]) continue;
+      const double l = (mesh.nodes[list[e][1]] - mesh.nodes[list[e][0]]).norm();
+      l0[e] -= l * strain.dot(way[e]);
+      if (!(l0[e] > 0.1 * l)) return false;
+    }
+    return true;
+  }
+
   /// Nothing done.
   inline Remeshed as_it_was(const RemeshCell &cell)
   {
@@ -274,6 +319,7 @@ namespace remesh_detail {
     result.cell.l0.clear();
     result.cell.theta0.clear();
     const auto old = edges(cell.mesh);    // sorted
+    std::vector<char> fresh;
     for (const auto &h : hinges(result.cell.mesh)) {
       const int face = s.find(h[1], h[2]), other = s.find(h[2], h[1]);
       const int k = Surface::corner(s.f[face], h[1]);
@@ -281,11 +327,15 @@ namespace remesh_detail {
           s.moved[h[1]] || s.moved[h[2]] || s.moved[h[3]];
       const auto at = std::lower_bound(old.begin(), old.end(), std::array<int, 2>{h[1], h[2]});
       const double theta = hinge_angle(s.x[h[0]], s.x[h[1]], s.x[h[2]], s.x[h[3]]);
+      fresh.push_back(touched);
       result.cell.l0.push_back(s.l0[face][k]);
       result.cell.theta0.push_back(touched ? wrapped(theta - s.bent[face][k])
                                            : cell.theta0[at - old.begin()]);
     }
     if (!check_mesh(result.cell.mesh).empty()) return as_it_was(cell);
+    if (set.load && !carry_load(result.cell.mesh, fresh, spring_virial(cell.mesh, cell.l0),
+                                result.cell.l0))
+      return as_it_was(cell);
     result.quality = worst_face(result.cell.mesh);
     result.distance = apart(s, cell.mesh) / mean_edge(cell.mesh);
     result.area = area(result.cell.mesh) / area(cell.mesh);

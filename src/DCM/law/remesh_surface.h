@@ -28,6 +28,7 @@ struct RemeshSettings {
   double longest = 3.0;     ///< as is one with an edge longer than this many edges of the mean face
   double distance = 0.1;    ///< the surface moves by no more, in mean edges
   double angle = PI / 4;    ///< nor does it turn by more, rad
+  bool load = false;        ///< the springs carry the load they carried, instead of their strains
   double energy = 0.25;     ///< nor does the energy of the springs change by more, in parts of it
 };
 
