@@ -256,7 +256,8 @@ def test_bad_arguments(lmp, scenes, options, patterns):
 
 @pytest.mark.parametrize("other, patterns", [
     ("fix tense all dcm/adapt rest 0.9 faces apical\n", ["fix tense .dcm/adapt.", "take one of"]),
-    ("fix tr all dcm/tracer type 4\n", ["dcm/remesh|dcm/tracer"]),
+    ("fix tight all dcm/constriction when born\n",
+     ["dcm/remesh", "fix tight .dcm/constriction.", "take one of"]),
     (remesh().replace("remesh all", "again all"), ["There is a fix dcm/remesh already"]),
 ])
 def test_styles_that_do_not_go_together(lmp, scenes, other, patterns):
