@@ -181,8 +181,7 @@ void DCMCellChange::write_face(int i, const Change &it, int face)
   if (!it.after.face_changed[face]) return;
   const auto &now = it.after.cell;
   const auto &v = now.mesh.faces[face];
-  const Vec3 mid =
-      (now.mesh.nodes[v[0]] + now.mesh.nodes[v[1]] + now.mesh.nodes[v[2]]) / 3.0;
+  const Vec3 mid = (now.mesh.nodes[v[0]] + now.mesh.nodes[v[1]] + now.mesh.nodes[v[2]]) / 3.0;
   place(i, mid);
   dcm->region[i] = now.region[face];
   atom->radius[i] = 0.0;

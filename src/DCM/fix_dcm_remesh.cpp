@@ -60,8 +60,8 @@ static constexpr double ROUNDING = 0x1p-24;
 ------------------------------------------------------------------------- */
 
 FixDCMRemesh::FixDCMRemesh(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), every(0), log(lmp, STYLE, HEADER),
-    ncells(0), nflips(0), nslides(0), nmoves(0), nleft(0), distance(0.0), volume(0.0)
+    Fix(lmp, narg, arg), cell(nullptr), every(0), log(lmp, STYLE, HEADER), ncells(0), nflips(0),
+    nslides(0), nmoves(0), nleft(0), distance(0.0), volume(0.0)
 {
   AtomVecDCM::require(lmp, STYLE);
   if (!modify->get_fix_by_style("^dcm/remesh$").empty())
@@ -80,8 +80,9 @@ FixDCMRemesh::FixDCMRemesh(LAMMPS *lmp, int narg, char **arg) :
 
 void FixDCMRemesh::parse(int narg, char **arg)
 {
-  DCMArgs args(lmp, STYLE, narg, arg,
-               {"every", "quality", "goal", "longest", "distance", "angle", "energy", "carry", "log"});
+  DCMArgs args(
+      lmp, STYLE, narg, arg,
+      {"every", "quality", "goal", "longest", "distance", "angle", "energy", "carry", "log"});
   bool have_goal = false;
   while (args.next()) {
     if (args.is("every")) {
@@ -244,8 +245,8 @@ std::vector<tagint> FixDCMRemesh::marks() const
 
 /* ----------------------------------------------------------------------
    the cell as the law takes it. Nodes that some style moves, or that are in other groups than most
-   of the cell, stay what they are; faces keep their groups and marks, so that nothing is done across
-   a border of these.
+   of the cell, stay what they are; faces keep their groups and marks, so that nothing is done
+across a border of these.
 ------------------------------------------------------------------------- */
 
 dcm::RemeshCell FixDCMRemesh::prepare(const DCMCellSurgery::Cell &from,
@@ -333,8 +334,7 @@ dcm::Remeshed FixDCMRemesh::find(const DCMCellSurgery::Cell &from,
 
 void FixDCMRemesh::count(const DCMCellSurgery::Cell &from, const dcm::Remeshed &now)
 {
-  const double need =
-      dcm::remesh_need(now.quality, dcm::longest_edge(now.cell.mesh), settings);
+  const double need = dcm::remesh_need(now.quality, dcm::longest_edge(now.cell.mesh), settings);
   (*tried)(cell->cells().find(from.molecule)) = need < 1.0 ? need : UNTRIED;
   if (now.flips + now.slides + now.moves == 0) {
     nleft++;
@@ -346,9 +346,9 @@ void FixDCMRemesh::count(const DCMCellSurgery::Cell &from, const dcm::Remeshed &
   nmoves += now.moves;
   distance = std::max(distance, now.distance);
   volume = std::max(volume, std::fabs(now.volume));
-  log.print("{} {:.10g} {} {} {} {} {:.6g} {:.6g} {:.6g} {:.6g} {:.8g} {:.8g}\n",
-            update->ntimestep, cell->cells().time(), from.molecule, now.flips, now.slides,
-            now.moves, now.quality_before, now.quality, now.distance, now.volume, now.area,
+  log.print("{} {:.10g} {} {} {} {} {:.6g} {:.6g} {:.6g} {:.6g} {:.8g} {:.8g}\n", update->ntimestep,
+            cell->cells().time(), from.molecule, now.flips, now.slides, now.moves,
+            now.quality_before, now.quality, now.distance, now.volume, now.area,
             now.energy_before > 0.0 ? now.energy / now.energy_before : 1.0);
   log.flush();
 }
@@ -394,9 +394,9 @@ double FixDCMRemesh::quality_now() const
   for (int f = 0; f < cell->nowned(); f++) {
     const auto &face = cell->faces()[f];
     if (!(cell->cells()[face.cell].mask & groupbit)) continue;
-    worst = std::min(worst, dcm::face_quality(dcm::vec(atom->x[face.v[0]]),
-                                              dcm::vec(atom->x[face.v[1]]),
-                                              dcm::vec(atom->x[face.v[2]])));
+    worst = std::min(worst,
+                     dcm::face_quality(dcm::vec(atom->x[face.v[0]]), dcm::vec(atom->x[face.v[1]]),
+                                       dcm::vec(atom->x[face.v[2]])));
   }
   MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MIN, world);
   return worst;
@@ -410,8 +410,9 @@ double FixDCMRemesh::quality_now() const
 double FixDCMRemesh::compute_vector(int i)
 {
   if (i == 5) return quality_now();
-  const double values[] = {(double) ncells, (double) nflips, (double) nslides, (double) nmoves,
-                           (double) nleft,  0.0,             distance,         volume};
+  const double values[] = {(double) ncells, (double) nflips, (double) nslides,
+                           (double) nmoves, (double) nleft,  0.0,
+                           distance,        volume};
   return values[i];
 }
 

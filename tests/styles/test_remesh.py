@@ -89,7 +89,7 @@ def test_what_stays(lmp, scenes, np_, boundary):
 
     a, b = without.dump()[-1], with_it.dump()[1]
     assert (a["id"] == b["id"]).all() and (a["type"] == b["type"]).all()
-    (x, faces), (y, now) = surface(a), surface(b)
+    (x, _), (y, now) = surface(a), surface(b)
     assert enclosed(y - y[0], now) == pytest.approx(new["v_volume"], rel=1e-9)
     assert quality(y, now).min() == pytest.approx(new["v_n_quality"], rel=1e-9)
     nodes = a["type"] == NODE
@@ -218,7 +218,8 @@ def test_group_and_nodes_of_other_groups(lmp, scenes):
         scene.head() + scene.forces() + "group one molecule 1\n"
         + "region tip block INF -12.5 INF INF INF INF\ngroup nodes type 2\n"
         + "group there region tip\ngroup tip intersect there nodes\n"
-        + remesh("every 1 quality 0.6 goal 0.7", "one") + "timestep 1.0\nvariable tip atom gmask(tip)\n"
+        + remesh("every 1 quality 0.6 goal 0.7", "one") + "timestep 1.0\n"
+        + "variable tip atom gmask(tip)\n"
         + "compute p all property/atom vertex1 vertex2 vertex3\n"
         + scenes.dump("id mol type xu yu zu v_tip c_p[1] c_p[2] c_p[3]", 1)
         + scenes.thermo(counts()) + "run 1\n", files=files,

@@ -126,7 +126,7 @@ TEST(Remesh, WhatStays)
           double a = random.uniform(), b = random.uniform();
           if (a + b > 1.0) a = 1.0 - a, b = 1.0 - b;
           const Vec3 p = from.nodes[f[0]] + a * (from.nodes[f[1]] - from.nodes[f[0]]) +
-              b * (from.nodes[f[2]] - from.nodes[f[0]]);
+                         b * (from.nodes[f[2]] - from.nodes[f[0]]);
           far = std::max(far, std::fabs(to.nearest(p).distance));
         }
     };
@@ -223,12 +223,14 @@ TEST(Remesh, AffineStrain)
       }
     for (int i = 0; i + 1 < n; i++)
       for (int side = 0; side < 4; side++) {
-        const int p = side == 0 ? at(1, i, 0) : side == 1 ? at(1, n - 1, i)
-            : side == 2                                   ? at(1, n - 1 - i, n - 1)
-                                                          : at(1, 0, n - 1 - i);
-        const int q = side == 0 ? at(1, i + 1, 0) : side == 1 ? at(1, n - 1, i + 1)
-            : side == 2                                       ? at(1, n - 2 - i, n - 1)
-                                                              : at(1, 0, n - 2 - i);
+        const int p = side == 0   ? at(1, i, 0)
+                      : side == 1 ? at(1, n - 1, i)
+                      : side == 2 ? at(1, n - 1 - i, n - 1)
+                                  : at(1, 0, n - 1 - i);
+        const int q = side == 0   ? at(1, i + 1, 0)
+                      : side == 1 ? at(1, n - 1, i + 1)
+                      : side == 2 ? at(1, n - 2 - i, n - 1)
+                                  : at(1, 0, n - 2 - i);
         const int m = n * n;
         mesh.faces.push_back({p - m, q - m, q});
         mesh.faces.push_back({p - m, q, p});
@@ -448,7 +450,7 @@ TEST(Remesh, LoadIsCarried)
   const Mat3 before = remesh_detail::spring_virial(cell.mesh, cell.l0);
   const auto lacks = [&before](const Remeshed &now) {
     return (remesh_detail::spring_virial(now.cell.mesh, now.cell.l0) - before).norm() /
-        before.norm();
+           before.norm();
   };
   EXPECT_LT(lacks(load), 1.0e-12);
   EXPECT_GT(lacks(strain), 1.0e-3);

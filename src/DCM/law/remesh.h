@@ -48,8 +48,8 @@ inline double remesh_need(double worst, double longest, const RemeshSettings &se
 
 namespace remesh_detail {
 
-  constexpr int CANDIDATES = 6;           // faces whose nodes and edges are tried
-  constexpr double OPERATIONS = 0.8;      // part of the distance for each, at the first try
+  constexpr int CANDIDATES = 6;         // faces whose nodes and edges are tried
+  constexpr double OPERATIONS = 0.8;    // part of the distance for each, at the first try
   constexpr int TRIES = 4;
   constexpr double NO_ENERGY = 1.0e-20;    // of round-off, per area
 
@@ -195,7 +195,8 @@ namespace remesh_detail {
         for (int a = 0; a <= 6; a++)
           for (int b = 0; a + b <= 6; b++) {
             const int c = 6 - a - b;
-            const Vec3 p = (a * from.nodes[t[0]] + b * from.nodes[t[1]] + c * from.nodes[t[2]]) / 6.0;
+            const Vec3 p =
+                (a * from.nodes[t[0]] + b * from.nodes[t[1]] + c * from.nodes[t[2]]) / 6.0;
             const EnvelopePoint near = to.nearest(p, hint);
             hint = near.face;
             most = std::max(most, std::fabs(near.distance));
@@ -232,8 +233,8 @@ namespace remesh_detail {
     return sum;
   }
 
-  /// Give edges (chosen ones) a strain more, the same tensor for all, with which the springs have this
-  /// virial. False if an edge would have to be shorter at rest than a tenth of what it is.
+  /// Give edges (chosen ones) a strain more, the same tensor for all, with which the springs have
+  /// this virial. False if an edge would have to be shorter at rest than a tenth of what it is.
   inline bool carry_load(const Mesh &mesh, const std::vector<char> &chosen, const Mat3 &virial,
                          std::vector<double> &l0)
   {
@@ -289,8 +290,8 @@ namespace remesh_detail {
     s.smooth(all, SWEEPS);
     const int most = int(s.x.size());
     int moves = 0;
-    while (moves < most &&
-           (worst_of(s) < set.goal || longest_edge({s.x, s.f}) > set.longest) && move_node(s))
+    while (moves < most && (worst_of(s) < set.goal || longest_edge({s.x, s.f}) > set.longest) &&
+           move_node(s))
       moves++;
     if (moves) s.smooth(all, SWEEPS);
     if (s.flips + s.slides + moves == 0) return result;
@@ -303,8 +304,7 @@ namespace remesh_detail {
     for (size_t f = 0; f < s.f.size(); f++)
       for (int k = 0; k < 3; k++) {
         const int a = s.f[f][k], b = s.f[f][(k + 1) % 3];
-        if (s.moved[a] || s.moved[b])
-          s.l0[f][k] *= s.length(a, b) / (before[b] - before[a]).norm();
+        if (s.moved[a] || s.moved[b]) s.l0[f][k] *= s.length(a, b) / (before[b] - before[a]).norm();
       }
 
     result.flips = s.flips;
@@ -323,8 +323,8 @@ namespace remesh_detail {
     for (const auto &h : hinges(result.cell.mesh)) {
       const int face = s.find(h[1], h[2]), other = s.find(h[2], h[1]);
       const int k = Surface::corner(s.f[face], h[1]);
-      const bool touched = s.changed[face] || s.changed[other] || s.moved[h[0]] ||
-          s.moved[h[1]] || s.moved[h[2]] || s.moved[h[3]];
+      const bool touched = s.changed[face] || s.changed[other] || s.moved[h[0]] || s.moved[h[1]] ||
+                           s.moved[h[2]] || s.moved[h[3]];
       const auto at = std::lower_bound(old.begin(), old.end(), std::array<int, 2>{h[1], h[2]});
       const double theta = hinge_angle(s.x[h[0]], s.x[h[1]], s.x[h[2]], s.x[h[3]]);
       fresh.push_back(touched);
@@ -333,8 +333,8 @@ namespace remesh_detail {
                                            : cell.theta0[at - old.begin()]);
     }
     if (!check_mesh(result.cell.mesh).empty()) return as_it_was(cell);
-    if (set.load && !carry_load(result.cell.mesh, fresh, spring_virial(cell.mesh, cell.l0),
-                                result.cell.l0))
+    if (set.load &&
+        !carry_load(result.cell.mesh, fresh, spring_virial(cell.mesh, cell.l0), result.cell.l0))
       return as_it_was(cell);
     result.quality = worst_face(result.cell.mesh);
     result.distance = apart(s, cell.mesh) / mean_edge(cell.mesh);
@@ -349,8 +349,7 @@ namespace remesh_detail {
 /// nothing has happened to have their values to the last bit.
 inline Remeshed remesh(const RemeshCell &cell, const RemeshSettings &set)
 {
-  const double need =
-      remesh_need(worst_face(cell.mesh), longest_edge(cell.mesh), set);
+  const double need = remesh_need(worst_face(cell.mesh), longest_edge(cell.mesh), set);
   if (need >= 1.0 || !check_mesh(cell.mesh).empty()) return remesh_detail::as_it_was(cell);
   const bool crossed = self_crossing(cell.mesh)[0] >= 0;
   Remeshed best = remesh_detail::as_it_was(cell);

@@ -1,8 +1,8 @@
 // LAMMPS-DCM - deformable cells for LAMMPS. GPL-2.0-only, see LICENSE.
 
-// Operations of remeshing on a closed surface: flip of an edge, slide of a node, a node taken out, a
-// node put in. Each carries what belongs to the edges it replaces and is refused where the surface
-// would move or turn too far; which of them are done is decided in remesh.h. Lengths um.
+// Operations of remeshing on a closed surface: flip of an edge, slide of a node, a node taken out,
+// a node put in. Each carries what belongs to the edges it replaces and is refused where the
+// surface would move or turn too far; which of them are done is decided in remesh.h. Lengths um.
 
 #ifndef DCM_REMESH_SURFACE_H
 #define DCM_REMESH_SURFACE_H
@@ -44,11 +44,11 @@ struct RemeshCell {
 
 namespace remesh_detail {
 
-  constexpr int MOST = 16, DEGREE = 9;    // edges of a node: stored, made
-  constexpr double CONVEX = 0.02;         // a new edge crosses the old one this far from its ends
-  constexpr double SIZES = 0.1;           // weight of unlike areas beside bad shapes
-  constexpr double GAIN = 0.01;           // least decrease of the cost, so that it comes to an end
-  constexpr int SWEEPS = 30, SHORT = 3;   // of flips and slides: at most, in a trial
+  constexpr int MOST = 16, DEGREE = 9;     // edges of a node: stored, made
+  constexpr double CONVEX = 0.02;          // a new edge crosses the old one this far from its ends
+  constexpr double SIZES = 0.1;            // weight of unlike areas beside bad shapes
+  constexpr double GAIN = 0.01;            // least decrease of the cost, so that it comes to an end
+  constexpr int SWEEPS = 30, SHORT = 3;    // of flips and slides: at most, in a trial
 
   using Face = std::array<int, 3>;
   using Sides = std::array<double, 3>;
@@ -58,10 +58,7 @@ namespace remesh_detail {
     std::array<int, MOST> face;
 
     void add(int f) { face[n++] = f; }
-    void drop(int f)
-    {
-      n = int(std::remove(face.begin(), face.begin() + n, f) - face.begin());
-    }
+    void drop(int f) { n = int(std::remove(face.begin(), face.begin() + n, f) - face.begin()); }
   };
 
   /// Length from corner c of a triangle to the point at t of the side from a to b (Stewart).
@@ -106,7 +103,7 @@ namespace remesh_detail {
     double mean_area = 0.0, most_off = 0.0, least_cosine = 0.0, goal = 1.0;
     std::shared_ptr<const Envelope> was;
     int flips = 0, slides = 0;
-    int node = -1;                        // one that is out, with its two faces
+    int node = -1;    // one that is out, with its two faces
     std::array<int, 2> faces = {-1, -1};
 
     /// False if a node has more edges than can be stored.
@@ -120,10 +117,7 @@ namespace remesh_detail {
     }
     double quality(const Face &t) const { return face_quality(x[t[0]], x[t[1]], x[t[2]]); }
     double length(int a, int b) const { return (x[b] - x[a]).norm(); }
-    Vec3 twice_area(const Face &t) const
-    {
-      return (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]);
-    }
+    Vec3 twice_area(const Face &t) const { return (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]); }
     Vec3 normal_of(int n) const
     {
       Vec3 sum = Vec3::Zero();
@@ -184,8 +178,8 @@ namespace remesh_detail {
     bool off(const Face &t, int near) const    // of a new face: its middle and those of its sides
     {
       const Vec3 &a = x[t[0]], &b = x[t[1]], &c = x[t[2]];
-      return off((a + b + c) / 3.0, near) || off(0.5 * (a + b), near) ||
-             off(0.5 * (b + c), near) || off(0.5 * (c + a), near);
+      return off((a + b + c) / 3.0, near) || off(0.5 * (a + b), near) || off(0.5 * (b + c), near) ||
+             off(0.5 * (c + a), near);
     }
     double apart(const Vec3 &p, const std::vector<Face> &there) const
     {
@@ -250,8 +244,7 @@ namespace remesh_detail {
     double sum = 0.0;
     for (size_t e = 0; e < list.size(); e++) {
       const auto &h = list[e];
-      const double bend =
-          wrapped(hinge_angle(x[h[0]], x[h[1]], x[h[2]], x[h[3]]) - cell.theta0[e]);
+      const double bend = wrapped(hinge_angle(x[h[0]], x[h[1]], x[h[2]], x[h[3]]) - cell.theta0[e]);
       sum += length(h[1], h[2]);
       for (const auto &side : {std::array<int, 2>{h[1], h[2]}, std::array<int, 2>{h[2], h[1]}}) {
         const int face = find(side[0], side[1]), k = corner(f[face], side[0]);
@@ -372,8 +365,8 @@ namespace remesh_detail {
       if (best < 0) return false;
       const int i = best, h = (i + m - 1) % m, j = (i + 1) % m;
       const double bend = spoke_bend[i] * length(n, w[i]) / length(w[h], w[j]);
-      made.push_back({{w[h], w[i], w[j]}, {side[h], side[i], best_rest},
-                      {side_bend[h], side_bend[i], bend}});
+      made.push_back(
+          {{w[h], w[i], w[j]}, {side[h], side[i], best_rest}, {side_bend[h], side_bend[i], bend}});
       across.push_back({w[h], w[j]});
       degree_of(w[h])++;
       degree_of(w[j])++;
@@ -383,7 +376,8 @@ namespace remesh_detail {
         list->erase(list->begin() + i);
       w.erase(w.begin() + i);
     }
-    made.push_back({{w[0], w[1], w[2]}, {side[0], side[1], side[2]},
+    made.push_back({{w[0], w[1], w[2]},
+                    {side[0], side[1], side[2]},
                     {side_bend[0], side_bend[1], side_bend[2]}});
     if (turned(twice_area(made.back().t), normal)) return false;
     for (size_t i = 0; i < ring.size(); i++)
@@ -498,7 +492,8 @@ namespace remesh_detail {
   }
 
   /// A node slides along the surface: in the plane in which the volume stays. The star is laid flat
-  /// around it; each new edge is straight there and takes its rest length from the faces it crosses.
+  /// around it; each new edge is straight there and takes its rest length from the faces it
+  /// crosses.
   inline bool Surface::slide_to(int n, const Vec3 &target, double least_gain)
   {
     const int k = star[n].n;
@@ -517,7 +512,7 @@ namespace remesh_detail {
     }
     if (worst >= goal) return false;    // what is good stays as it is
     const Vec3 from = x[n], to = from + (target - from) -
-        normal.dot(target - from) / normal.squaredNorm() * normal;
+                                 normal.dot(target - from) / normal.squaredNorm() * normal;
 
     // the new faces
 
@@ -567,8 +562,8 @@ namespace remesh_detail {
       const int h = (i + 1) % k;
       const double side = length(w[i], w[h]);
       const double side0 = l0[around[i]][(corner(f[around[i]], n) + 1) % 3];
-      angle[i] = std::acos(std::clamp(
-          (l[i] * l[i] + l[h] * l[h] - side * side) / (2.0 * l[i] * l[h]), -1.0, 1.0));
+      angle[i] = std::acos(
+          std::clamp((l[i] * l[i] + l[h] * l[h] - side * side) / (2.0 * l[i] * l[h]), -1.0, 1.0));
       product[i] = 0.5 * (rest[i] * rest[i] + rest[h] * rest[h] - side0 * side0);
       whole += angle[i];
     }
