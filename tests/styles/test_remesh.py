@@ -172,6 +172,38 @@ def test_ranks_agree(lmp, scenes):
             assert np.abs(a.f - b.f).max() < 1e-6
 
 
+def test_among_cells_that_live(lmp, scenes):
+    """Cells grow, divide, die and turn apical while all of them are looked at in each step: the
+    same is done on any number of processes, also in the steps in which cells divide."""
+    deck = None
+    logs = []
+    for np_ in (1, 2, 4):
+        scene = scenes.Scene(40.0, "p p p", 1)
+        for x in (-5.85, 5.85):
+            scene.dcm(x, 0.0, 0.0, 6.0)
+        deck = (
+            scene.head() + scene.cortex() + scene.contact("law foundation growth 3")
+            + f"neighbor 1.2 multi\nfix cell all dcm/cell types {scene.map}\n" + scene.volume()
+            + "fix growth all dcm/growth seed 3 cycle_time 40 cycle_sd 4\n"
+            + "fix division all dcm/division seed 4\n"
+            + "fix death all dcm/death age 55 every 5\n"
+            + "fix pol all dcm/polarity seed 3 init toward 0 0 0 apical 0.5 junction 0.2 0.5 "
+            + "every 5\n"
+            + remesh("every 1 quality 0.85 goal 0.9 distance 0.2 energy 2 log remesh.log")
+            + scene.motion(options="tolerance 1e-10 scheme implicit maxmove 2") + "timestep 1.0\n"
+            + scenes.thermo(["atoms", "bonds", *counts()], 10) + "run 45\nrun 35\n"
+        )  # fmt: skip
+        result = lmp(deck, np=np_)
+        rows = [line.split() for line in (result.path / "remesh.log").read_text().splitlines()]
+        logs.append(([row[:6] for row in rows if row[0] != "#"], result.thermo[-1]))
+    done, last = logs[0]
+    assert len(done) > 3 and sum(int(row[3]) + int(row[5]) for row in done) > 0
+    assert last["Bonds"] > 240
+    for other, end in logs[1:]:
+        assert other == done
+        assert end["Atoms"] == last["Atoms"]
+
+
 @pytest.mark.parametrize("np_", [1, 2])
 @pytest.mark.parametrize("at", [5, 15])
 def test_restart_is_bit_for_bit(lmp, scenes, np_, at):
