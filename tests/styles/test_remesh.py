@@ -268,6 +268,38 @@ def test_group_and_nodes_of_other_groups(lmp, scenes):
     assert set(a["mol"][changed].astype(int)) == {1}
 
 
+def border(faces, mark):
+    """Edges between marked and other faces, seen from the marked ones."""
+    sides = {tuple(f[[k, (k + 1) % 3]]): m for f, m in zip(faces, mark, strict=True)
+             for k in range(3)}  # fmt: skip
+    return {side for side, m in sides.items() if m and not sides[side[::-1]]}
+
+
+@pytest.mark.parametrize("np_", [1, 3])
+def test_marks_of_a_lumen(lmp, scenes, np_):
+    """The edges at which they end are the same, and what is marked is; nodes there may slide."""
+    scene, files = worn_cells(scenes, at=PAIR)
+    result = lmp(
+        scene.head() + scene.forces()
+        + "fix osm all dcm/osmosis pressure 0.01 marks flood slab z -2.5 2.5 starter 0 0 0 99 1e9 every 100\n"
+        + remesh("every 1 quality 0.6 goal 0.7 energy 1") + "timestep 1.0\n"
+        + "compute m all dcm/face mark\ncompute p all property/atom vertex1 vertex2 vertex3\n"
+        + scenes.dump("id mol type xu yu zu c_m c_p[1] c_p[2] c_p[3]", 1)
+        + scenes.thermo(counts()) + "run 1\n", np=np_, files=files,
+    )  # fmt: skip
+    assert result.thermo[-1]["v_cells"] == 2 and result.thermo[-1]["v_flips"] > 10
+    (x, before), (y, after) = (surface(frame) for frame in result.dump())
+    marks = [frame["c_m"][frame["type"] == FACE] > 0.5 for frame in result.dump()]
+    assert 20 < marks[0].sum() < 400
+    assert (marks[0] == marks[1]).all()
+    assert border(before, marks[0]) == border(after, marks[1])
+    assert (before != after).any(axis=1).sum() > 20
+    areas = [np.linalg.norm(np.cross(p[f[m][:, 1]] - p[f[m][:, 0]], p[f[m][:, 2]] - p[f[m][:, 0]]),
+                            axis=1).sum() for p, f, m in ((x, before, marks[0]),
+                                                          (y, after, marks[1]))]  # fmt: skip
+    assert areas[1] == pytest.approx(areas[0], rel=0.02)
+
+
 # --- bad input ------------------------------------------------------------------------------------
 
 
