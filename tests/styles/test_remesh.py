@@ -281,7 +281,8 @@ def test_marks_of_a_lumen(lmp, scenes, np_):
     scene, files = worn_cells(scenes, at=PAIR)
     result = lmp(
         scene.head() + scene.forces()
-        + "fix osm all dcm/osmosis pressure 0.01 marks flood slab z -2.5 2.5 starter 0 0 0 99 1e9 every 100\n"
+        + "fix osm all dcm/osmosis pressure 0.01 marks flood slab z -2.5 2.5 "
+        + "starter 0 0 0 99 1e9 every 100\n"
         + remesh("every 1 quality 0.6 goal 0.7 energy 1") + "timestep 1.0\n"
         + "compute m all dcm/face mark\ncompute p all property/atom vertex1 vertex2 vertex3\n"
         + scenes.dump("id mol type xu yu zu c_m c_p[1] c_p[2] c_p[3]", 1)
