@@ -47,8 +47,8 @@ struct Part {
 
 struct Edge {
   tagint molecule, a, b;
-  int bond, dihedral;
-  double l0;
+  int bond, dihedral, keeper;
+  double l0, theta0;
 };
 
 // A dump sorted by atom ID puts atoms at their places without sorting as long as their number is
@@ -102,8 +102,12 @@ std::vector<DCMCellSurgery::Cell> DCMCellSurgery::gather(const std::vector<tagin
     for (int m = 0; m < atom->num_bond[i]; m++) {
       const tagint a = atom->tag[i], b = atom->bond_atom[i][m];
       const int dihedral = atom->num_dihedral[i] ? atom->dihedral_type[i][0] : 0;
+      double theta0 = AtomVecDCM::UNSET_THETA0;
+      for (int n = 0; n < atom->num_dihedral[i]; n++)
+        if (atom->dihedral_atom2[i][n] == a && atom->dihedral_atom3[i][n] == b)
+          theta0 = dcm->theta0[i][n];
       my_edges.push_back({atom->molecule[i], std::min(a, b), std::max(a, b), atom->bond_type[i][m],
-                          dihedral, dcm->l0[i][m]});
+                          dihedral, a < b ? 0 : 1, dcm->l0[i][m], theta0});
     }
   }
   auto parts = dcm_allgather(mine, world);
@@ -154,6 +158,9 @@ std::vector<DCMCellSurgery::Cell> DCMCellSurgery::gather(const std::vector<tagin
           cell.masks.node = node.empty() ? part.mask : cell.masks.node & part.mask;
           node[part.tag] = (int) cell.mesh.nodes.size();
           cell.mesh.nodes.push_back(x);
+          cell.node_tag.push_back(part.tag);
+          cell.node_mask.push_back(part.mask);
+          cell.node_v.push_back(v);
           cell.v += v;
           cell.x += x;
           break;
@@ -161,6 +168,8 @@ std::vector<DCMCellSurgery::Cell> DCMCellSurgery::gather(const std::vector<tagin
           cell.types.face = part.type;
           cell.masks.face = faces.empty() ? part.mask : cell.masks.face & part.mask;
           cell.region.push_back(part.region);
+          cell.face_tag.push_back(part.tag);
+          cell.face_mask.push_back(part.mask);
           faces.push_back(&part);
           break;
       }
@@ -187,6 +196,8 @@ std::vector<DCMCellSurgery::Cell> DCMCellSurgery::gather(const std::vector<tagin
       cell.types.bond = edges[e].bond;
       if (edges[e].dihedral) cell.types.dihedral = edges[e].dihedral;
       cell.l0.push_back(edges[e].l0);
+      cell.theta0.push_back(edges[e].theta0);
+      cell.keeper.push_back(edges[e].keeper);
     }
     cells.push_back(std::move(cell));
   }

@@ -44,6 +44,14 @@ class DCMCellSurgery : protected Pointers {
     double radius = 0.0;
     dcm::Vec3 x = dcm::Vec3::Zero();    // mean node or center, unwrapped
     dcm::Vec3 v = dcm::Vec3::Zero();    // mean velocity
+
+    // of a deformable cell whose atoms stay: as in the mesh
+
+    std::vector<tagint> node_tag, face_tag;
+    std::vector<int> node_mask, face_mask;
+    std::vector<dcm::Vec3> node_v;
+    std::vector<double> theta0;    // per edge, too; UNSET_THETA0: there is no dihedral on it
+    std::vector<int> keeper;       // per edge: 0 or 1, the end that stores its bond
   };
 
   DCMCellSurgery(class LAMMPS *, const std::string &asking);

@@ -35,16 +35,18 @@ namespace LAMMPS_NS {
 class DCMRole {
  public:
   enum Trait : unsigned {
-    MOVES = 1U,             // solves for velocities, wants the friction of all others
-    GIVES_PRESSURE = 2U,    // contributes to the pressure of deformable cells
-    GROWS_SPHERES = 4U,     // radii of spheres grow in a run, or larger spheres come
-    MAKES_CELLS = 8U,       // cells appear in a run or change their kind: empty types may fill
-    MAKES_READY = 16U,      // brings cells to phase READY, to divide
-    HAS_TRACERS = 32U,      // touch_faces() tells what tracers are near to
-    FIXED_STEP = 64U,       // its scheme in time needs steps of one length
-    IMPLICIT = 128U,        // wants the stiffness of all others as well
-    CHOOSES_STEP = 256U,    // and takes steps that others stand
-    SHORTENS_STEP = 512U    // takes shorter steps than the timestep of the deck where it must
+    MOVES = 1U,              // solves for velocities, wants the friction of all others
+    GIVES_PRESSURE = 2U,     // contributes to the pressure of deformable cells
+    GROWS_SPHERES = 4U,      // radii of spheres grow in a run, or larger spheres come
+    MAKES_CELLS = 8U,        // cells appear in a run or change their kind: empty types may fill
+    MAKES_READY = 16U,       // brings cells to phase READY, to divide
+    HAS_TRACERS = 32U,       // touch_faces() tells what tracers are near to
+    FIXED_STEP = 64U,        // its scheme in time needs steps of one length
+    IMPLICIT = 128U,         // wants the stiffness of all others as well
+    CHOOSES_STEP = 256U,     // and takes steps that others stand
+    SHORTENS_STEP = 512U,    // takes shorter steps than the timestep of the deck where it must
+    KEEPS_PLACES = 1024U     // keeps numbers of single faces, edges or pairs of faces, which a new
+                             // mesh of the cell does not have
   };
 
   virtual unsigned traits() const { return 0U; }

@@ -45,6 +45,8 @@ class FixDCMAdapt : public DCMSlotLengths, public DCMRole {
   double compute_vector(int) override;
   double memory_usage() override;
 
+  unsigned traits() const override { return by_region ? KEEPS_PLACES : 0U; }
+
  private:
   struct Factor {
     bool given = false;

@@ -43,6 +43,7 @@ class FixDCMConstriction : public DCMSlotLengths, public DCMRole {
   double compute_vector(int) override;
   double memory_usage() override;
 
+  unsigned traits() const override { return KEEPS_PLACES; }
   double longest_step() override;
   void cell_converted(int, double) override;
 

@@ -66,7 +66,7 @@ class FixDCMTracer : public Fix, public DCMRole {
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
 
-  unsigned traits() const override { return HAS_TRACERS; }
+  unsigned traits() const override { return HAS_TRACERS | KEEPS_PLACES; }
   void touch_faces(double, std::vector<int> &) override;
   void cell_divided(const DCMCellTable::Division &) override;
   void cell_removed(int) override;

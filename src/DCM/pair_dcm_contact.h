@@ -97,6 +97,9 @@ class PairDCMContact : public Pair, public DCMRole {
   std::string work() override;
   std::vector<Note> report() override;
 
+  // necks that are stretched belong to pairs of faces
+  unsigned traits() const override { return set.history ? KEEPS_PLACES : 0U; }
+
   // ask in init(), every run, and keep the handle: normal contact force per face or sphere
   // (compression positive), virial of spheres, the same as a tensor, friction blocks, stiffness,
   // contact per pair of cells in the steps that are multiples of `every`, or in those in which a

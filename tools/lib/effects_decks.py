@@ -241,6 +241,8 @@ EFFECTS = [
            fixes(POLARITY, "variable f atom 1+1e-4*step",
                  "fix adapt dcm dcm/adapt rest v_f faces apical junction every 10"),
            fixes(POLARITY)),
+    Effect("remeshing, looks", ("fix dcm/remesh",), fixes("fix remesh dcm dcm/remesh every 1"),
+           idle=fixes("fix remesh none dcm/remesh every 1")),
     Effect("plane", ("fix dcm/confine",), fixes("fix plane all dcm/confine plane z 10.0"),
            idle=fixes("fix plane none dcm/confine plane z 10.0")),
     Effect("background pressure", ("fix dcm/confine",),

@@ -274,6 +274,12 @@ class Deck:
                         f"rest {rest} faces apical junction every {self.whole(1, 5)}")  # fmt: skip
         self.fix("adapt", f"{self.group()} dcm/adapt {what}")
 
+    def remesh(self):
+        quality = self.number(0.3, 0.9)
+        self.fix("remesh", f"{self.group()} dcm/remesh every {self.whole(1, 5)} quality {quality} "
+                 f"goal {self.one(0.9, 0.95)} distance {self.number(0.02, 0.4)} "
+                 f"energy {self.number(0.05, 5)} carry {self.one('strain', 'load')}")  # fmt: skip
+
     def confine(self):
         pressure = self.maybe(0.5)
         what = (f"pressure {self.number(0.01, 0.3)} over deformable" if pressure else
@@ -420,7 +426,7 @@ class Deck:
 
     EFFECTS = ("motility", "tension", "traction", "adapt", "confine", "growth", "division", "death",
                "polarity", "tracer", "osmosis", "constriction", "signal", "convert",
-               "move")  # fmt: skip
+               "move", "remesh")  # fmt: skip
 
     def effects(self):
         chosen = [name for name in self.EFFECTS if self.maybe(0.2)]
@@ -428,6 +434,8 @@ class Deck:
             chosen.insert(chosen.index("division"), "growth")
         if "constriction" in chosen and "polarity" not in chosen and self.maybe(0.9):
             chosen.insert(0, "polarity")
+        if {"constriction", "tracer"} & set(chosen) and "remesh" in chosen and not self.wild:
+            chosen.remove("remesh")  # an error of init()
         if self.maybe(0.15 if self.wild else 0.05):
             chosen.append("others")
         if self.wild and self.maybe(0.2):
