@@ -12,6 +12,7 @@
 
 #include "atom.h"
 #include "atom_vec_dcm.h"
+#include "bond_dcm_cortex.h"
 #include "comm.h"
 #include "dcm_allgather.h"
 #include "dcm_args.h"
@@ -28,6 +29,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 using namespace LAMMPS_NS;
@@ -60,7 +62,7 @@ static constexpr double ROUNDING = 0x1p-24;
 ------------------------------------------------------------------------- */
 
 FixDCMRemesh::FixDCMRemesh(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), every(0), log(lmp, STYLE, HEADER), ncells(0), nflips(0),
+    Fix(lmp, narg, arg), cell(nullptr), every(0), springs(true), log(lmp, STYLE, HEADER), ncells(0), nflips(0),
     nslides(0), nmoves(0), nleft(0), distance(0.0), volume(0.0)
 {
   AtomVecDCM::require(lmp, STYLE);
@@ -131,6 +133,7 @@ void FixDCMRemesh::init()
   cell = FixDCMCell::require(lmp, STYLE);
   dcm_check_group(lmp, STYLE, igroup, {AtomVecDCM::CENTER});
   check_others();
+  springs = dynamic_cast<BondDCMCortex *>(force->bond_match("dcm/cortex")) != nullptr;
   tried = cell->change_cells().add(STYLE, "remesh_tried", DCMColumn::RESET, UNTRIED, {}, tried);
   DCMCellSurgery::check_order(lmp, this, STYLE);
   next_reneighbor = -1;
@@ -290,8 +293,13 @@ dcm::Remeshed FixDCMRemesh::find(const DCMCellSurgery::Cell &from,
 {
   dcm::Remeshed now;
   const dcm::RemeshCell before = prepare(from, marked);
+  dcm::RemeshSettings set = settings;
+  if (!springs) {    // rest lengths that nobody reads
+    set.energy = std::numeric_limits<double>::max();
+    set.load = false;
+  }
   if (comm->me == root)
-    now = dcm::remesh(before, settings);
+    now = dcm::remesh(before, set);
   else
     now = dcm::remesh_detail::as_it_was(before);
 

@@ -59,6 +59,7 @@ class FixDCMRemesh : public Fix, public DCMRole {
   DCMCellTable::Handle tried;    // need of a cell that could be made no better
   int every;                     // steps between two looks, as given, 0: not
   dcm::RemeshSettings settings;
+  bool springs;    // has the deck a cortex, whose energy counts?
   DCMLog log;
   std::vector<Needy> needy;    // in this step
 

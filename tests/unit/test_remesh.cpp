@@ -437,7 +437,7 @@ TEST(Remesh, LoadIsCarried)
   // changes has its rest lengths
   RemeshCell cell = cell_of(ball(2, 5.0), 1.0);
   cell.mesh = mapped(cell.mesh, [](const Vec3 &x) {
-    return Vec3(1.8 * x[0], 0.8 * x[1] + 0.5 * x[0], x[2]);
+    return Vec3(2.2 * x[0], 0.75 * x[1] + 0.5 * x[0], x[2]);
   });
   auto set = wanting(0.55);
   set.goal = 0.6;
