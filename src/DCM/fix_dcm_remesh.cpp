@@ -62,8 +62,8 @@ static constexpr double ROUNDING = 0x1p-24;
 ------------------------------------------------------------------------- */
 
 FixDCMRemesh::FixDCMRemesh(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), cell(nullptr), every(0), springs(true), log(lmp, STYLE, HEADER), ncells(0), nflips(0),
-    nslides(0), nmoves(0), nleft(0), distance(0.0), volume(0.0)
+    Fix(lmp, narg, arg), cell(nullptr), every(0), springs(true), log(lmp, STYLE, HEADER), ncells(0),
+    nflips(0), nslides(0), nmoves(0), nleft(0), distance(0.0), volume(0.0)
 {
   AtomVecDCM::require(lmp, STYLE);
   if (!modify->get_fix_by_style("^dcm/remesh$").empty())
