@@ -14,7 +14,8 @@ _dcm_tool() {
     # the variables of the deck that stands before
     for deck in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
       [ ! -f "$deck" ] || mapfile -t COMPREPLY < <(compgen -W "$(grep -oE \
-        '\bvariable +[A-Za-z_0-9]+ +index' "$deck" | awk '{print $2}' | sort -u)" -- "$word")
+        '\bvariable +[A-Za-z_0-9]+ +index|is_defined\(variable,[A-Za-z_0-9]+' "$deck" |
+        sed -E 's/.*variable[ ,]+([A-Za-z_0-9]+).*/\1/' | sort -u)" -- "$word")
     done
     return
   fi

@@ -251,6 +251,13 @@ void FixDCMMotion::setup(int /*vflag*/)
   stale = true;
   pending = deferred;
   if (half.accuracy > 0.0) tell_accuracy();
+  const double now = cell->cells().time();
+  if (stop <= now * (1.0 + 1e-9) && update->nsteps > 0 && comm->me == 0)
+    error->warning(FLERR,
+                   "{}: stop {:.8g} is not after the time {:.8g} at which this run begins: it ends "
+                   "at once. stop counts from the beginning of the simulation, over all runs and "
+                   "restarts",
+                   STYLE, stop, now);
   if (!deferred) solve(KEEP);
 }
 

@@ -143,6 +143,8 @@ def test_runs_stop_at_a_time(lmp, scenes):
     last = [run[-1]["Time"] for run in result.runs]
     assert last == [pytest.approx(77.7, abs=1e-9), pytest.approx(200.0, abs=1e-9),
                     pytest.approx(200.0, abs=1e-9)]
+    warned = [w for w in result.out.splitlines() if "WARNING" in w and "ends at once" in w]
+    assert len(warned) == 1 and "stop 100 is not after the time 200" in warned[0]
     fixed = lmp(scene.head() + scene.forces() + scene.motion(options="stop 9")
                 + scenes.thermo(["time"], 1000) + "timestep 2.0\nrun 100000\n")
     assert fixed.thermo[-1]["Time"] == 10.0    # a timestep of given length is not cut

@@ -1,8 +1,10 @@
 """tools/run: folders of results, files, ranks. Its set-up is replaced, most runs are faked."""
 import importlib.util
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -47,7 +49,7 @@ def tree(tmp_path):
     deck = root / "examples/scene"
     deck.mkdir(parents=True)
     (deck / "in.scene").write_text("include more.lmp\n")
-    (deck / "more.lmp").write_text("# nothing\n")
+    (deck / "more.lmp").write_text("variable W index 0\n")
     (deck / "other.txt").write_text("not for this deck\n")
     lmp = tmp_path / "lmp"
     lmp.write_text(FAKE)
@@ -64,11 +66,11 @@ def run(tree, tmp_path):
            "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
            "OMPI_MCA_hwloc_base_binding_policy": "none"}
 
-    def start(*words, **more):
+    def start(*words, new_session=False, **more):
         return subprocess.Popen(
             ["bash", tree / "tools/run", *(words or [tree / "examples/scene/in.scene"])],
             env=env | {k: str(v) for k, v in more.items()}, cwd=tmp_path, text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            start_new_session=new_session, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
     def call(*words, **more):
         child = start(*words, **more)
@@ -162,16 +164,54 @@ def test_ranks_as_told_and_of_cells_that_divide(run, tree, tmp_path):
 
 @pytest.mark.parametrize("words, says", [
     (["-np", "0"], "-np 0"), (["-np"], "-np needs"), (["-o"], "-o needs"), (["-var", "x"], "-var"),
-    (["--fast"], "--fast"), (["nowhere"], "no such deck")])
+    (["--fast"], "--fast"), (["nowhere"], "no such deck"),
+    (["-var", "level=2", "-o", "x"], "with a blank, -var level 2"),
+    (["-var", "a", "1", "-var", "a", "2"], "-var a: given twice")])
 def test_bad_words(run, tree, words, says):
     done = run(*words)
     assert done.returncode == 1 and says in done.stderr and not (tree / "runs").exists()
 
 
-def test_failure_is_told_and_kept(run, tree):
+def test_a_variable_that_the_deck_does_not_have(run, tree):
+    """Said before the run: the deck would silently take its own value."""
+    (tree / "examples/scene/more.lmp").write_text(
+        "variable level index 3\nif \"$(is_defined(variable,W))\" then \"print $h\"\n")
+    done = run(run.deck, "-var", "levle", "2")
+    assert done.returncode == 1 and "has no variable levle" in done.stderr
+    assert not (tree / "runs").exists()
+    assert run(run.deck, *"-var level 2 -var W 1 -var h 3".split()).returncode == 0
+
+
+def test_binary_files_beside_the_deck(run, tree):
+    """A restart file that the deck names, with any bytes in it."""
+    (tree / "examples/scene/more.lmp").write_text("read_restart last.restart\n")
+    (tree / "examples/scene/last.restart").write_bytes(b"LAMMPS \0 *\0x [\0 other.txt\n\xff\0")
+    assert run().returncode == 0
+    assert (tree / "runs/scene/last.restart").exists()
+    assert not (tree / "runs/scene/other.txt").exists()
+
+
+def test_failure_is_told_and_kept(run, tree, tmp_path):
+    (tmp_path / "lmp").write_text(FAKE.replace("exit", "echo 'ERROR: wrong' >log.scene\nexit"))
     done = run(STATUS=3)
     assert done.returncode == 1 and "LAMMPS stopped with an error" in done.stderr
+    assert done.stderr.index("ERROR: wrong") < done.stderr.index("LAMMPS stopped")
     assert "status" in (tree / "runs/scene/run.txt").read_text()
+
+
+def test_interrupt(run, tree, tmp_path):
+    """Ctrl-C goes to all processes of the terminal: the folder and what to do with it are told."""
+    child = run.start(WAIT=tmp_path / "never", new_session=True)
+    folder = tree / "runs/scene"
+    for _ in range(600):
+        if (tmp_path / "calls").exists() and "-log log.scene" in (tmp_path / "calls").read_text():
+            break
+        time.sleep(0.05)
+    time.sleep(0.5)
+    os.killpg(child.pid, signal.SIGINT)
+    out, err = child.communicate(timeout=60)
+    assert child.returncode == 130 and "stopped by Ctrl-C" in out and str(folder) in out
+    assert "stopped with an error" not in err
 
 
 def test_the_real_program(run, tree):

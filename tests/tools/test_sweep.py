@@ -149,6 +149,20 @@ def test_labels(sweep):
     assert sweep.prints_of("# print 'no $(v_x)'\nprint ''\nprint 'nothing'") == []
 
 
+def test_rounds_of_a_loop(sweep):
+    """All rounds of a print in a loop, in their order; of very long loops the last one."""
+    deck = ('print "pull $(v_a): length $(v_b*(1-sqrt((v_c+(v_d))^2))) um; has &\n$(v_e) um"\n'
+            'print "end $(v_f)"\n')
+    prints = sweep.prints_of(deck)
+    out = [f"pull {k}: length {2 * k} um; has {3 * k} um" for k in (1, 2)] + ["end 7"]
+    assert sweep.results(out, prints)[0] == {
+        "pull": "2", "length": "4", "has": "6",
+        "pull, round 1": "1", "length, round 1": "2", "has, round 1": "3",
+        "pull, round 2": "2", "length, round 2": "4", "has, round 2": "6", "end": "7"}
+    out = [f"pull {k}: length {2 * k} um; has {3 * k} um" for k in range(51)]
+    assert sweep.results(out, prints)[0] == {"pull": "50", "length": "100", "has": "150"}
+
+
 def test_the_real_program(sweep, tmp_path, monkeypatch):
     monkeypatch.setenv("LAMMPS_POTENTIALS", str(ROOT / "potentials"))
     words = [str(ROOT / "examples/single/in.single"), "-var", "load", "0.5,1.0", "-var", "hold",

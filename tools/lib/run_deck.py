@@ -4,6 +4,7 @@ Standard library only: tools/run calls this with the python3 of the system.
 
   python3 run_deck.py files DECK [-var NAME VALUE ...]        the files beside DECK that it reads
   python3 run_deck.py ranks DECK CORES LMP [-var ...]         number of ranks, and why
+  python3 run_deck.py unknown DECK [-var ...]                 variables that DECK does not have
 """
 import glob
 import itertools
@@ -30,7 +31,10 @@ MESHES = (".off", ".obj")    # name no others
 OUTPUT = ("dump", "dump_modify", "write_data", "write_dump", "write_restart", "restart", "log",
           "undump", "thermo_style")
 VARIABLE = re.compile(r"\bvariable\s+(\w+)\s+(?:index|string)\s+([^\"#&\n]+)")
-REFERENCE = re.compile(r"\$\{(\w+)\}|\$\([^()]*(?:\([^()]*\)[^()]*)*\)|\$(\w)")
+NESTED = "[^()]"    # parentheses in a formula, eight deep
+for _ in range(8):
+    NESTED = rf"(?:[^()]|\({NESTED}*\))"
+REFERENCE = re.compile(rf"\$\{{(\w+)\}}|\$\({NESTED}*\)|\$(\w)")
 
 
 def name_of(deck):
@@ -88,6 +92,8 @@ def needed_files(deck, variables=()):
         if path.stat().st_size > MOST_TEXT or path.suffix in MESHES:
             continue
         text = path.read_text(errors="replace")
+        if "\0" in text:    # binary, as a restart file
+            continue
         texts.append(text)
         for name, words in VARIABLE.findall(text):
             values.setdefault(name, []).extend(words.split())
@@ -120,8 +126,12 @@ def unknown_variables(deck, names):
     for file in needed_files(deck):
         if (folder / file).stat().st_size <= MOST_TEXT:
             text += (folder / file).read_text(errors="replace") + "\n"
-    return [n for n in names if not re.search(
-        rf"\bvariable[\s,]+{re.escape(n)}\b|\$\{{{re.escape(n)}\}}|\bv_{re.escape(n)}\b", text)]
+    def there(name):
+        word = re.escape(name)
+        short = rf"|\${word}(?!\w)" if len(name) == 1 else ""
+        return re.search(rf"\bvariable[\s,]+{word}\b|\bis_defined\(variable,\s*{word}\)"
+                         rf"|\$\{{{word}\}}|\bv_{word}\b{short}", text)
+    return [n for n in names if not there(n)]
 
 
 # ---------------------------------------------------------------------- how large is it?
@@ -196,6 +206,8 @@ def main(words):
     command, deck, *rest = words
     if command == "files":
         print(*needed_files(deck, variables_of(rest)), sep="\n")
+    elif command == "unknown":
+        print(*unknown_variables(deck, [name for name, _ in variables_of(rest)]))
     else:
         cores, lmp, *rest = rest
         print(*choose_ranks(deck, lmp, int(cores), variables_of(rest)))

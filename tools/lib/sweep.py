@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from run_deck import REFERENCE, copy_files, name_of, needed_files, unknown_variables
 
 PRINT = re.compile(r"\bprint\s+(?:\"\"\"(.*?)\"\"\"|\"([^\"]*)\"|'([^']*)')", re.DOTALL)
+ROUNDS = 50    # of a loop that prints
 PAUSE = 0.2    # s between two looks at the running processes
 
 
@@ -98,18 +99,20 @@ def last_thermo(lines):
 
 
 def results(out, prints):
-    """(printed, thermo): values by label, the last of each, from the lines that LAMMPS printed."""
+    """(printed, thermo): values by label, the last of each, from the lines that LAMMPS printed; of
+    a loop of at most ROUNDS also those of each round."""
     printed = {}
     for pattern, labels in prints:
-        for line in reversed(out):
-            if m := pattern.fullmatch(line.strip()):
-                for label, value in zip(labels, m.groups()):
-                    name, n = label or "value", 1
-                    while name in printed:
-                        n += 1
-                        name = f"{label or 'value'} {n}"
-                    printed[name] = value
-                break
+        found = [m.groups() for line in out if (m := pattern.fullmatch(line.strip()))]
+        rounds = found if 1 < len(found) <= ROUNDS else []
+        for k, values in [("", v) for v in found[-1:]] + list(enumerate(rounds, 1)):
+            for label, value in zip(labels, values):
+                label = (label or "value") + (f", round {k}" if k else "")
+                name, n = label, 1
+                while name in printed:
+                    n += 1
+                    name = f"{label} {n}"
+                printed[name] = value
     return printed, {k: f"{v:.10g}" for k, v in last_thermo(out).items()}
 
 
