@@ -179,7 +179,7 @@ def test_a_variable_that_the_deck_does_not_have(run, tree):
     done = run(run.deck, "-var", "levle", "2")
     assert done.returncode == 1 and "has no variable levle" in done.stderr
     assert not (tree / "runs").exists()
-    assert run(run.deck, *"-var level 2 -var W 1 -var h 3".split()).returncode == 0
+    assert run(run.deck, "-var", "level", "2", "-var", "W", "1", "-var", "h", "3").returncode == 0
 
 
 def test_binary_files_beside_the_deck(run, tree):
