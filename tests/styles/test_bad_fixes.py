@@ -78,6 +78,7 @@ FIXES = {
     "confine keyword": (CONFINE + "x 1", "Fix dcm/confine: unknown keyword x; known"),
     "confine short": (CONFINE + "pressure", "Fix dcm/confine: keyword pressure needs a value"),
     "confine twice": (CONFINE + "pressure 1 over all pressure 2", "keyword pressure is .*twice"),
+    "tension twice": ("fix t all dcm/tension {map} tension 0.1 tension v_t", "tension is .*twice"),
     "motion keyword twice": (MOTION + "tolerance 1e-4 tolerance 1e-3", "tolerance is there twice"),
     "volume keyword twice": (VOLUME + "K_V 1.0 K_V 2.0", "volume: keyword K_V is there twice"),
     "cell keyword": ("fix c all dcm/cell x", "Fix dcm/cell: unknown keyword x"),

@@ -52,13 +52,10 @@ def test_tracer_keywords(lmp, scenes, name):
     fails(lmp, whole(scene, extra=extra), "Fix dcm/tracer: .*" + pattern)
 
 
-def test_the_last_pressure_counts(lmp, scenes):
-    """A number after a variable, and the other way round."""
-    for given, P in (("v_P pressure 0.2", 0.2), ("0.2 pressure v_P", 0.1)):
-        extra = "variable P equal 0.1\n" + FLOOD.format(given) + "\n"
-        result = lmp(whole(scenes.single_cell(), extra=extra)
-                     + scenes.thermo(["f_osm[5]"]) + "timestep 1.0\nrun 1\n")  # fmt: skip
-        assert result.thermo[-1]["f_osm[5]"] == P
+@pytest.mark.parametrize("given", ["v_P pressure 0.2", "0.2 pressure v_P"])
+def test_two_pressures(lmp, scenes, given):
+    extra = "variable P equal 0.1\n" + FLOOD.format(given) + "\n"
+    fails(lmp, whole(scenes.single_cell(), extra=extra), "dcm/osmosis: keyword pressure is .*twice")
 
 
 def test_a_starter_far_away(lmp, scenes):

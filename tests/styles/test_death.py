@@ -60,7 +60,7 @@ def test_when_all_are_dead(lmp, scenes, np_, scheme):
     """An empty box goes on, its files are written, and it takes cells again."""
     scene = scenes.doublet(boundary="p p p")
     scene.cbm(0.0, 11.0, 0.0, 5.0)
-    deck = scene.head() + scene.forces() + death("all all")
+    deck = scene.head() + scene.forces() + death("all")
     deck += scene.motion(options=f"scheme {scheme}") + "timestep 0.5\n"
     deck += scenes.thermo(["atoms"]) + "run 3\nrun 3\n"
     deck += "write_restart last.restart\nwrite_data last.data\nunfix death\nrun 2\n"

@@ -280,9 +280,7 @@ ORDER = {
     "deck": (dict(tension=0.2, tension_apical=0.5), "tension 0.3", 0.3, 0.3),
     "region of the deck": (dict(tension=0.2), "tension:apical 0.4", 0.2, 0.4),
     "both": (dict(tension_apical=0.5), "tension:apical 0.4 tension 0.3", 0.3, 0.4),
-    "last": (dict(), "tension 0.1 tension v_T tension 0.3", 0.3, 0.3),
     "variables": (dict(), "tension v_T tension:apical v_U", 0.25, 0.35),
-    "variable last": (dict(), "tension 0.1 tension v_T", 0.25, 0.25),
     "none of it": (dict(), "tension 0.2 tension:apical 0", 0.2, 0.0),
 }  # fmt: skip
 

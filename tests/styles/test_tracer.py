@@ -151,7 +151,7 @@ def test_death(lmp, doublet, death):
 
 
 def test_slab(lmp, doublet):
-    result = lmp(doublet(GOOD + "D 0.1 slab z -2 2", 30), files=doublet.files())
+    result = lmp(doublet(GOOD.replace("0.02", "0.1") + "slab z -2 2", 30), files=doublet.files())
     for frame in result.dump():
         assert np.abs(tracers(frame)[1][:, 2]).max() <= 2.0 + 1e-6
 
@@ -211,7 +211,7 @@ def test_dividing_tissue(lmp, scenes, np_):
     ("number 5 seed 1", "Fix dcm/tracer: keyword D is missing"),
     ("number 5 D 0.1", "Fix dcm/tracer: keyword seed is missing"),
     ("number -1 D 0.1 seed 1", "Fix dcm/tracer: number is -1"),
-    (GOOD + "D -0.1", "Fix dcm/tracer: D is -0.1"),
+    (GOOD.replace("D 0.02", "D -0.1"), "Fix dcm/tracer: D is -0.1"),
     (GOOD + "x 1", "Fix dcm/tracer: unknown keyword x"),
     (GOOD + "slab z 2 1", "Fix dcm/tracer: slab is .*1.*above its low end, 2"),
     (GOOD + "slab z 100 200", "slab z 100 200 lies outside the box"),
@@ -220,10 +220,15 @@ def test_dividing_tissue(lmp, scenes, np_):
     (GOOD + "death x", "death must be delete or release"),
     (GOOD + "free 1.5", "free is 1.5, must be below 1"),
     (GOOD + "drift 0.1", "Fix dcm/tracer: drift is along the polarity.*fix dcm/polarity"),
-    (GOOD + "type 2", "atom type 2 holds atoms that are no tracers"),
+    (GOOD + "D 0.1", "Fix dcm/tracer: keyword D is there twice"),
 ])  # fmt: skip
 def test_bad_keywords(lmp, doublet, text, message):
     fails(lmp, doublet(text, 0, dump=False), message, files=doublet.files(), run="run 1\n")
+
+
+def test_bad_type(lmp, doublet):
+    deck = doublet(GOOD, 0, dump=False).replace(f"dcm/tracer type {TYPE}", "dcm/tracer type 2")
+    fails(lmp, deck, "atom type 2 holds atoms that are no tracers", files=doublet.files())
 
 
 def test_bad_decks(lmp, doublet):
@@ -259,7 +264,7 @@ def test_bad_decks(lmp, doublet):
         tracers=[(-6.0, 0.0, 0.0, 0)],
     )
     bad(
-        doublet(GOOD + "D 10", 0, dump=False),
+        doublet(GOOD.replace("0.02", "10"), 0, dump=False),
         "with D 10 and a timestep of 1",
         "comm_modify cutoff",
         np=2,
