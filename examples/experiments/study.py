@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """The runs and the figures of the manual page doc/experiments.rst.
 
-    ./study.py                  all runs (10 minutes), a table of what they print, experiments.png,
+    tools/python examples/experiments/study.py
+                                all runs (10 minutes), a table of what they print, experiments.png,
                                 experiments_cells.png
-    ./study.py --report         only table and figures, from the logs and pictures there are
+    ... --report                only table and figures, from the logs and pictures there are
 
 Further studies of decks have scripts of their own: calibrate.py fits what in.calibrate measures,
 tissue.py --study compares what in.import makes with the tissue.
@@ -194,6 +195,11 @@ def main():
     )
     args = parser.parse_args()
 
+    logs = [log_of(args.out, deck, options) for deck, options in RUNS]
+    missing = [log for log in logs if not log.exists()]
+    if args.report and missing:
+        sys.exit(f"{args.out}: {len(missing)} of {len(RUNS)} runs are missing, such as "
+                 f"{missing[0].name}: call this without --report first")
     args.out.mkdir(parents=True, exist_ok=True)
     for path in HERE.iterdir():
         if path.is_file() and path.suffix != ".py":
