@@ -10,8 +10,9 @@ Further studies of decks have scripts of their own: calibrate.py fits what in.ca
 tissue.py --study compares what in.import makes with the tissue.
 
 It can be stopped at any time and called again: runs whose log is complete are not repeated.
-LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH
-and LAMMPS_POTENTIALS, as for any deck, and the folder tools in PYTHONPATH.
+tools/python examples/experiments/study.py needs nothing else. Else LAMMPS is `--lmp`, else the
+environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH and LAMMPS_POTENTIALS, as for
+any deck, and the folder tools in PYTHONPATH.
 """
 
 import argparse
