@@ -55,7 +55,7 @@ RUNS = [
     ("import", {}),
 ]
 SAYS = (
-    "depth", "strain", "recoil", "suction", "sucked", "contracted", "let go", "shocked", "the other",
+    "depth", "strain", "recoil", "suction", "at 1.2", "contracted", "let go", "shocked", "the other",
     "demixing", "spread", "theory", "crawled", "distance", "after",
 )  # fmt: skip
 
