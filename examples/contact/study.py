@@ -15,9 +15,10 @@ Parts, each a deck run with `scheme implicit`:
     border    a deformable cell between two center-based ones: force on its faces, areas
     plates    one cell between plates: force over height, on meshes of three sizes
 
-It can be stopped at any time and called again: what contact_study.csv holds is not repeated.  LAMMPS
-is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH and
-LAMMPS_POTENTIALS, as for any deck of the package.  Units: um, nN, s, kPa.
+It can be stopped at any time and called again: what contact_study.csv holds is not repeated.
+tools/python examples/contact/study.py needs nothing else. Else LAMMPS is `--lmp`, else the
+environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH and LAMMPS_POTENTIALS, as for
+any deck of the package. Units: um, nN, s, kPa.
 """
 
 import argparse

@@ -16,8 +16,9 @@ the default of h0 has changed.
     ./study.py --levels 2 3 4         2562 nodes as well: minutes a run, more if h0 is not resolved
     ./study.py --rest-only            without the pull
 
-LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH
-and LAMMPS_POTENTIALS, as for any deck of the package.
+tools/python examples/doublet/study.py needs nothing else. Else LAMMPS is `--lmp`, else the
+environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH and LAMMPS_POTENTIALS, as for
+any deck of the package.
 """
 
 import argparse

@@ -33,7 +33,7 @@ def run(lmp, out, name, options):
     """Distances (um) and pressures (kPa) of a run of in.calibrate in the folder `out`."""
     log = out / f"log.{name}"
     if not log.exists():
-        words = [lmp, "-in", "in.calibrate", "-nocite", "-log", "log.part"]
+        words = [lmp, "-in", "in.calibrate", "-nocite", "-log", "log.part", "-var", "image", "no"]
         for key, value in options.items():
             words += ["-var", key, str(value)]
         done = subprocess.run(words, cwd=out, capture_output=True, text=True, check=False)

@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 """The runs and the figures of the manual page doc/experiments.rst.
 
-    ./study.py                  all runs (10 minutes), a table of what they print, experiments.png,
+    tools/python examples/experiments/study.py
+                                all runs (10 minutes), a table of what they print, experiments.png,
                                 experiments_cells.png
-    ./study.py --report         only table and figures, from the logs and pictures there are
+    ... --report                only table and figures, from the logs and pictures there are
 
 Further studies of decks have scripts of their own: calibrate.py fits what in.calibrate measures,
 tissue.py --study compares what in.import makes with the tissue.
 
 It can be stopped at any time and called again: runs whose log is complete are not repeated.
-LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH
-and LAMMPS_POTENTIALS, as for any deck, and the folder tools in PYTHONPATH.
+tools/python examples/experiments/study.py needs nothing else. Else LAMMPS is `--lmp`, else the
+environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH and LAMMPS_POTENTIALS, as for
+any deck, and the folder tools in PYTHONPATH.
 """
 
 import argparse
@@ -53,7 +55,7 @@ RUNS = [
     ("import", {}),
 ]
 SAYS = (
-    "depth", "strain", "recoil", "suction", "sucked", "contracted", "let go", "shocked", "the other",
+    "depth", "strain", "recoil", "suction", "at 1.2", "contracted", "let go", "shocked", "the other",
     "demixing", "spread", "theory", "crawled", "distance", "after",
 )  # fmt: skip
 
@@ -194,6 +196,11 @@ def main():
     )
     args = parser.parse_args()
 
+    logs = [log_of(args.out, deck, options) for deck, options in RUNS]
+    missing = [log for log in logs if not log.exists()]
+    if args.report and missing:
+        sys.exit(f"{args.out}: {len(missing)} of {len(RUNS)} runs are missing, such as "
+                 f"{missing[0].name}: call this without --report first")
     args.out.mkdir(parents=True, exist_ok=True)
     for path in HERE.iterdir():
         if path.is_file() and path.suffix != ".py":

@@ -11,9 +11,10 @@ below it is no finer than the meshes themselves.  Spheres have the pressure of t
 without the tension of a cortex.
 
 Each run has a folder of its own in --out; a finished one is not repeated, so that the study can be
-stopped at any time and called again.  Seconds are CPU time of all ranks.  LAMMPS is `--lmp`, else
-the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH and LAMMPS_POTENTIALS, as
-for any deck of the package.  Units: um, nN, s, kPa.
+stopped at any time and called again. Seconds are CPU time of all ranks. tools/python
+examples/resolution/study.py needs nothing else. Else LAMMPS is `--lmp`, else the environment
+variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH and LAMMPS_POTENTIALS, as for any deck of
+the package. Units: um, nN, s, kPa.
 """
 
 import argparse

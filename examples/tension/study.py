@@ -2,8 +2,9 @@
 """Contact angle of two cells of constant surface tension over work of adhesion and mesh.
 
 Runs in.tension for every combination, prints a line for each and writes tension_study.csv.
-LAMMPS is `--lmp`, else the environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH,
-as for any deck of the package.
+tools/python examples/tension/study.py needs nothing else. Else LAMMPS is `--lmp`, else the
+environment variable DCM_LMP, else `lmp`; it needs LAMMPS_PLUGIN_PATH, as for any deck of the
+package.
 
     ./study.py                                         162 and 642 nodes, law dmt
     ./study.py --law maugis --levels 2 --set h0=0.2    any variable of the deck

@@ -187,7 +187,7 @@ def test_aspirate(experiment):
         assert result.runs[k - 1][-1]["glass"] == pytest.approx(
             -result.runs[k - 1][-1]["force"], rel=0.05
         )
-    before, after = numbers(result, "sucked")[0][1:]
+    before, after = numbers(result, "at 1.2")[0][1:]
     assert before < Rp + a < after
 
 

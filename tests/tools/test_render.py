@@ -136,6 +136,22 @@ def test_legend_names(files):
     assert list(make_picture(u, names={"4": "outer"}).legend) == ["type 1", "outer"]
 
 
+def test_colors_of_types(files, tmp_path, capfd):
+    """--colors reaches sphere and legend, and leaves the other type as it is."""
+    import lammps_dcm
+    from lammps_dcm.render import make_picture
+
+    u = lammps_dcm.load(files[2], files[0])
+    before = make_picture(u)
+    after = make_picture(u, names={"4": "outer"}, colors={"4": "#ff0000"})
+    assert after.sphere_rgb.tolist() == [[1.0, 0.0, 0.0]] * len(before.sphere_rgb)
+    assert after.legend == {"type 1": before.legend["type 1"], "outer": "#ff0000"}
+    assert np.array_equal(after.face_rgb, before.face_rgb)
+    words = ["render", files[0], "--data", files[2], "-o", str(tmp_path / "p.png")]
+    assert main([*words, "--colors", "4=reddish"]) != 0
+    assert "reddish is no color" in capfd.readouterr().err
+
+
 def test_auto_falls_back_to_matplotlib(files, tmp_path, monkeypatch, capfd):
     from lammps_dcm import drawing
 

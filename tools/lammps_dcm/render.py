@@ -33,14 +33,15 @@ SLOW_FRAMES = 10    # where matplotlib draws it
 FLAT = 0.5    # a scene whose height is below this part of its width is seen from above
 
 
-def categories(face_values, sphere_values, label, called=None, known=()):
+def categories(face_values, sphere_values, label, called=None, known=(), colors=None):
     """Palette colors of values: ((m, 3), (s, 3), legend of at most ten); called: value -> name.
-    known: values that may occur in other frames, so that each keeps its color."""
+    known: values that may occur in other frames, so that each keeps its color; colors: value ->
+    color in place of that of the palette."""
     from matplotlib.colors import to_rgb
 
     names, at = np.unique(np.append(face_values, sphere_values).astype(str), return_inverse=True)
     order = sorted({*names.tolist(), *known}, key=lambda name: (len(name), name))
-    color = {name: PALETTE[n % len(PALETTE)] for n, name in enumerate(order)}
+    color = {name: PALETTE[n % len(PALETTE)] for n, name in enumerate(order)} | (colors or {})
     rgb = np.array([to_rgb(color[name]) for name in names]).reshape(-1, 3)[at]
     legend = {(called or {}).get(name, f"{label} {name}".strip()): color[name]
               for name in order if name in names} if len(names) <= len(PALETTE) else {}
@@ -166,10 +167,11 @@ def generations(universe, mesh, spheres):
 
 
 def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modulus=None,
-                 names=None, book=None, lumen=False, dt=None):
+                 names=None, book=None, lumen=False, dt=None, colors=None):
     """Picture of the current frame of a Universe, colored by `color` (see the command's help).
     lumen: the walls of lumens in colors of their own. book: AtomBook of the Universe, to be shared
-    by several pictures. dt: length of a step, s, of a dump without times."""
+    by several pictures. dt: length of a step, s, of a dump without times. colors: atom type ->
+    color, with color="type"."""
     book = book or AtomBook(universe)
     ts, atoms = universe.trajectory.ts, book.frame()
     xyz, spheres = atoms.xyz, atoms.spheres()
@@ -197,7 +199,7 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
     elif color == "type":
         face_rgb, sphere_rgb, legend = categories(
             types, atoms.type[spheres], "type", names,
-            known=book.type[np.isin(book.kind, (CENTER, SPHERE))].tolist())
+            known=book.type[np.isin(book.kind, (CENTER, SPHERE))].tolist(), colors=colors)
     elif color == "generation":
         faces, on_spheres = generations(universe, mesh, spheres)
         face_rgb, sphere_rgb, legend = categories(faces, on_spheres, "generation",
@@ -256,6 +258,18 @@ def make_picture(universe, color="type", limits=None, cmap="viridis", bulk_modul
 
 # ---------------------------------------------------------------------- command line
 
+def type_colors(text):
+    """Dict of atom type -> color from the text of --colors."""
+    from matplotlib.colors import is_color_like
+
+    colors = pairs(text, "--colors")
+    for color in colors.values():
+        if not is_color_like(color):
+            raise ValueError(f"--colors {text}: {color} is no color: give a name, such as crimson, "
+                             "or #rrggbb")
+    return colors
+
+
 def add_coloring(parser, color="type", view="xy"):
     """The options that say how cells look, shared with `export --html`."""
     parser.add_argument("--color", default=color, help="type, cell, region, mark, pressure, "
@@ -263,6 +277,8 @@ def add_coloring(parser, color="type", view="xy"):
                         "what tells the cells apart (default: %(default)s)")
     parser.add_argument("--names", metavar="TYPE=NAME,...", help="names of atom types (of "
                         "centers and spheres) for the legend")
+    parser.add_argument("--colors", metavar="TYPE=COLOR,...", help="colors of atom "
+                        "types, as matplotlib names them, with --color type")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"),
                         help="ends of the color scale; by default those of the values")
     parser.add_argument("--cmap", default="viridis", help="matplotlib color map")
@@ -288,7 +304,7 @@ def chosen_picture(args, universe, book):
     decide(args, universe, book)
     return make_picture(universe, args.color, args.limits, args.cmap,
                         bulk_modulus_of(args.bulk_modulus), pairs(args.names, "--names"), book,
-                        args.lumen, args.dt)
+                        args.lumen, args.dt, type_colors(args.colors))
 
 
 def chosen_opacity(args):

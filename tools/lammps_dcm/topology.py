@@ -139,7 +139,8 @@ def read_data(path):
             counts[" ".join(words[1:])] = int(words[0])
 
     if "Atoms" not in sections:
-        raise DataFileError(f"{path}: no Atoms section: is it a LAMMPS data file?")
+        raise DataFileError(f"{path}: no Atoms section: is it a LAMMPS data file? A dump goes to "
+                            "dump= (command line: without --data)")
     if style["Atoms"] not in ("", "dcm"):
         raise DataFileError(f"{path}:{where['Atoms']}: Atoms section of style "
                             f"'{style['Atoms']}': write it with `atom_style dcm`")

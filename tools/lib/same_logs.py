@@ -32,7 +32,7 @@ SHORT = {
     "bile_duct": {"size": "quick", "hours": 0.015, "tau": 20, "image": "no"},
     "bile_duct_day": {"rest": 0.02, "hours": 0.03},
     "border": {"level": 2, "settle": 60, "image": "no"},
-    "calibrate": {"kind": "cbm", "steps": 2, "hold": 60},
+    "calibrate": {"kind": "cbm", "steps": 2, "hold": 60, "image": "no"},
     "chemotaxis": {"n": 20, "hours": 0.2, "image": "no"},
     "compress": {"level": 1, "settle": 20, "hold": 20, "steps": 1, "image": "no"},
     "contract": {"level": 2, "ramp": 5, "hold": 5, "image": "no"},
