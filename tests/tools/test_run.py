@@ -57,6 +57,11 @@ def tree(tmp_path):
     return root
 
 
+def heed_interrupts():
+    """A shell cannot trap what was ignored when it began, as in a job in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.fixture
 def run(tree, tmp_path):
     """Function that calls tools/run: words, environment -> CompletedProcess; .start does not
@@ -70,7 +75,8 @@ def run(tree, tmp_path):
         return subprocess.Popen(
             ["bash", tree / "tools/run", *(words or [tree / "examples/scene/in.scene"])],
             env=env | {k: str(v) for k, v in more.items()}, cwd=tmp_path, text=True,
-            start_new_session=new_session, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            start_new_session=new_session, preexec_fn=heed_interrupts,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
     def call(*words, **more):
         child = start(*words, **more)
