@@ -36,9 +36,10 @@ static const char STYLE[] = "Fix dcm/division";
 // minimization makes micrometers out of them. The mother's shape, seen from one of its nodes, is
 // therefore rounded, to this part of its size, before it divides: far more than the differences, so
 // that few of the coordinates, if any, are rounded to another side, and less than what it matters:
-// 0.03 nm of 12 um. What the daughters take over is not rounded: volume, rest volume, rest lengths.
+// 0.5 nm of 12 um, a tenth of a membrane. What the daughters take over is not rounded: volume, rest
+// volume, rest lengths. The factor of these that their sub-simulation sees is one number only.
 
-static constexpr double ROUNDING = 0x1p-18;
+static constexpr double ROUNDING = 0x1p-14, ROUNDING_OF_REST = 0x1p-20;
 
 static double rounded(double value, double unit)
 {
@@ -110,7 +111,7 @@ void FixDCMDivision::grow(std::vector<Job> &jobs)
   // rest lengths are those of the rest volume, the settings those of the volume
 
   const auto rest_asked = [](const Job &job) {
-    return rounded(job.rest * std::cbrt(job.mother.volume0 / job.rounded_volume), ROUNDING);
+    return rounded(job.rest * std::cbrt(job.mother.volume0 / job.rounded_volume), ROUNDING_OF_REST);
   };
   for (size_t n = 0; n < 2 * jobs.size(); n++) {
     if ((int) (n % comm->nprocs) != comm->me) continue;

@@ -314,8 +314,9 @@ def test_log_disk_full(lmp, scenes, case):
 
 
 LIMIT = """\
+unset LD_PRELOAD  # that of sanitizers
 P=$PPID
-while [ "$(cat /proc/$P/comm)" != lmp ]; do P=$(ps -o ppid= -p $P | tr -d " "); done
+while [ "$(cat /proc/$P/comm)" != lmp ]; do P=$(ps -o ppid= -p $P | tr -d " ") || exit; done
 prlimit --pid $P --fsize=1024
 """
 
