@@ -28,6 +28,7 @@ FixDCMMark::FixDCMMark(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), area(1.0), first(0), last(MAXSMALLINT), cell(nullptr)
 {
   DCMArgs args(lmp, STYLE, narg - 3, arg + 3, {"area", "steps", "band"});
+  args.may_repeat({"band"});
   while (args.next()) {
     if (args.is("area")) {
       area = args.number();

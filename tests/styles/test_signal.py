@@ -450,8 +450,8 @@ USUAL = "from one to 5 6 7 time 10"
 CASES = {
     "area 1.1": (f"{USUAL} area 1.1", "area is 1.1, must be a part of the cell's area, 0 to 1"),
     "area -1": (f"{USUAL} area -1", "area is -1.*zero or positive"),
-    "time -1": (f"{USUAL} time -1", "time is -1.*zero or positive"),
-    "time text": (f"{USUAL} time never", "time is 'never', expected a number"),
+    "time -1": (USUAL.replace("10", "-1"), "time is -1.*zero or positive"),
+    "time text": (USUAL.replace("10", "never"), "time is 'never', expected a number"),
     "no time": ("from one to 5 6 7", "keyword time is missing"),
     "no from": ("to 5 6 7 time 1", "keyword from is missing"),
     "no to": ("from one time 1", "keyword to is missing"),
