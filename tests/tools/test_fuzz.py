@@ -64,6 +64,18 @@ def test_faults_are_seen(judge):
     assert judge.read(1, "", "", nowhere).kind == "no message"
 
 
+def test_reports_of_open_mpi(judge):
+    """A report counts unless all of its access is in a thread of Open MPI, as when it aborts."""
+    head = "==1==ERROR: AddressSanitizer: heap-use-after-free on address 0x1\n"
+    mpi = "    #0 0x1 in memcpy sanitizer.inc:8\n    #1 0x2 in send (/lib/libopen-rte.so.40+0x1)\n"
+    ours = "    #2 0x3 in LAMMPS_NS::FixDCMCell::init() /x/src/DCM/fix_dcm_cell.cpp:9\n"
+    error = "ERROR: Fix dcm/cell: wrong (src/DCM/fix_dcm_cell.cpp:1)\n"
+    freed = "\nfreed by thread T0 here:\n" + ours
+    assert judge.read(1, error, head + mpi + freed, Path("/nowhere")).kind == "refused"
+    assert judge.read(1, error, head + mpi + ours + freed, Path("/nowhere")).kind == "sanitizer"
+    assert judge.read(1, error, head + ours, Path("/nowhere")).kind == "sanitizer"
+
+
 def test_damage():
     import numpy as np
 
