@@ -246,10 +246,12 @@ export_run_environment() {
   export OMP_NUM_THREADS=1
   export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none
   if [ "$DCM_PRESET" = asan ]; then
-    # the sanitizer must be loaded before an lmp that was not built with it; MPI leaks by itself
+    # the sanitizer must be loaded before an lmp that was not built with it; MPI leaks by itself,
+    # and LAMMPS has an error of its own where memory cannot be had
     local lmp=$DCM_BUILD/lmp
-    printf '#!/bin/sh\nLD_PRELOAD=%s ASAN_OPTIONS=detect_leaks=0 exec %s "$@"\n' \
-      "$("${CXX:-c++}" -print-file-name=libasan.so)" "$DCM_LMP" >"$lmp"
+    printf '#!/bin/sh\nLD_PRELOAD=%s ASAN_OPTIONS=%s exec %s "$@"\n' \
+      "$("${CXX:-c++}" -print-file-name=libasan.so)" \
+      detect_leaks=0:allocator_may_return_null=1 "$DCM_LMP" >"$lmp"
     chmod +x "$lmp"
     DCM_LMP=$lmp
   fi
