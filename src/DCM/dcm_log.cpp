@@ -16,7 +16,7 @@
 using namespace LAMMPS_NS;
 
 DCMLog::DCMLog(LAMMPS *lmp, const std::string &_asking, const std::string &_header) :
-    Pointers(lmp), asking(_asking), header(_header), continued(false), fp(nullptr)
+    Pointers(lmp), asking(_asking), header(_header), continued(false), leftover(false), fp(nullptr)
 {
 }
 
@@ -28,9 +28,21 @@ DCMLog::~DCMLog()
 void DCMLog::open()
 {
   if (file.empty() || fp || comm->me != 0) return;
-  fp = fopen(file.c_str(), continued ? "a" : "w");
+  fp = fopen(file.c_str(), "a");
   if (!fp) error->one(FLERR, "{}: cannot open log {}: {}", asking, file, utils::getsyserror());
-  if (fseek(fp, 0, SEEK_END) == 0 && ftell(fp) == 0) write(header);
+  if (fseek(fp, 0, SEEK_END) == 0 && ftell(fp) == 0)
+    write(header);
+  else
+    leftover = !continued;
+  flush();
+}
+
+void DCMLog::clear()
+{
+  leftover = false;
+  fp = freopen(file.c_str(), "w", fp);
+  if (!fp) error->one(FLERR, "{}: cannot open log {}: {}", asking, file, utils::getsyserror());
+  write(header);
   flush();
 }
 

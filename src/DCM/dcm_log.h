@@ -32,8 +32,16 @@ class DCMLog : protected Pointers {
   void name(const std::string &_file) { file = _file; }    // without one nothing is written
   void go_on() { continued = true; }                       // call it in restart()
 
-  // call it in setup(), when all input has been checked; no effect from the second time on
+  // call it in setup(), when all input has been checked: an error if it cannot be written. No
+  // effect from the second time on
   void open();
+
+  // call it when a step begins: what an earlier run has left there goes now, and not if this one
+  // ends in set-up
+  void begin()
+  {
+    if (leftover) clear();
+  }
 
   // an error if the disk is full
   template <typename... Args> void print(const std::string &format, const Args &...args)
@@ -44,8 +52,10 @@ class DCMLog : protected Pointers {
 
  private:
   std::string asking, header, file;
-  bool continued;
+  bool continued, leftover;
   FILE *fp;
+
+  void clear();
 
   void write(const std::string &line);
   [[noreturn]] void fail();

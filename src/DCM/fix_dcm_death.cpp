@@ -201,6 +201,7 @@ void FixDCMDeath::shrink_all()
 
 void FixDCMDeath::initial_integrate(int /*vflag*/)
 {
+  log.begin();
   auto &table = cell->change_cells();
   gone.clear();
   if (since >= 0.0) since += update->dt;

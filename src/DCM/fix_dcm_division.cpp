@@ -186,6 +186,7 @@ void FixDCMDivision::setup(int /*vflag*/)
 
 void FixDCMDivision::initial_integrate(int /*vflag*/)
 {
+  log.begin();
   if (!sisters.empty()) hold_back_sisters();
   ready.clear();
   if (update->ntimestep % nevery) return;

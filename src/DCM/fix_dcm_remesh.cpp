@@ -168,6 +168,7 @@ void FixDCMRemesh::setup(int /*vflag*/)
 
 void FixDCMRemesh::initial_integrate(int /*vflag*/)
 {
+  log.begin();
   needy.clear();
   if (update->ntimestep % nevery) return;
   const auto &table = cell->cells();

@@ -331,6 +331,22 @@ def small_disk(lmp, monkeypatch):
     return "shell sh limit.sh\n"
 
 
+def test_a_run_that_fails_in_set_up_leaves_the_log(lmp, scenes):
+    """The events of an earlier run go when a step begins, not before."""
+    scene = scenes.doublet()
+    deck = scene.head() + scene.forces() + "fix death all dcm/death age 1e9 log d.log\n"
+    old = {"d.log": "# of an earlier run\n1 2 3\n"}
+    pull = "fix pull all addforce 1e6 0 0\n"
+    failed = lmp.run(deck + pull + scene.motion() + "timestep 1\nrun 1\n", files=old)
+    assert failed.returncode != 0 and "dcm/motion" in failed.error and not failed.thermo[1:]
+    assert (failed.path / "d.log").read_text() == old["d.log"]
+    none = lmp(deck + scene.motion() + "timestep 0.1\nrun 0\n", files=old)
+    assert (none.path / "d.log").read_text() == old["d.log"]
+    ran = lmp(deck + scene.motion() + "timestep 0.1\nrun 1\n", files=old)
+    log = (ran.path / "d.log").read_text()
+    assert log.startswith("# LAMMPS-DCM death log") and "1 2 3" not in log
+
+
 def test_disk_fills_while_cells_die(lmp, monkeypatch):
     """One error with the style, the file and the reason; what was written before stays."""
     deck = counting(60, "cycle_time 1e9") + "fix death all dcm/death rate 1e-2 seed 3 log d.log\n"
