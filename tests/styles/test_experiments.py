@@ -27,8 +27,9 @@ def experiment(lmp):
         path.name: path for path in FOLDER.glob("*.*") if path.suffix in (".lmp", ".dcm", ".cells")
     }
 
-    def run(name, **options):
-        return lmp(FOLDER / f"in.{name}", files=files, vars={"image": "no", **options})
+    def run(name, check=True, **options):
+        variables = {"image": "no", **options}
+        return lmp(FOLDER / f"in.{name}", files=files, vars=variables, check=check)
 
     return run
 
@@ -135,6 +136,15 @@ def test_stretch(experiment, T, sigma):
 
 
 # --- aspirate -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("remesh", ["no", "yes"])
+def test_stretch_with_other_faces(experiment, remesh):
+    """Strong light: nodes that nothing holds slide together, unless the mesh is made better."""
+    result = experiment("stretch", level=2, sigma=0.06, remesh=remesh, check=False)
+    assert (result.returncode == 0) == (remesh == "yes"), result.tail()
+    if remesh == "no":
+        assert "is degenerate" in result.out
 
 
 def two_balls(suction, volume, T, Rp, a):
